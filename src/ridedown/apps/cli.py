@@ -1,0 +1,230 @@
+"""The command line: parse, call, show.
+
+Everything that takes time to import is imported inside the command that needs it, so that `ridedown --help` answers
+at once.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ridedown import __version__
+from ridedown.errors import RidedownError
+
+if TYPE_CHECKING:
+    from ridedown.response import Response
+
+BAD_INPUT, STOPPED = 2, 3
+"""Exit codes: something given cannot be used; the simulation stopped before its end."""
+
+app = typer.Typer(
+    name="ridedown",
+    help="Head-on crashes solved event by event: vehicles, adults, and children in child seats.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,  # plain help: rich alone would take most of its time
+    pretty_exceptions_enable=False,
+)
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Also write files to this folder.")]
+
+
+def main() -> None:
+    """Run the command line; the console script's entry point."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a terminal that cannot show a minus sign is no reason to stop
+    app(prog_name="ridedown")
+
+
+def _print_version(wanted: bool) -> None:  # noqa: FBT001  typer's callback
+    if wanted:
+        typer.echo(f"ridedown {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Take the options that belong to no command."""
+
+
+@app.command()
+def run(
+    scenario: Annotated[str, typer.Argument(metavar="FILE-OR-NAME", help="A TOML or YAML file, or a catalogue name.")],
+    as_json: Json = False,
+    out: Out = None,
+) -> None:
+    """Simulate one scenario.
+
+    Prints a summary: vehicles, occupants, energy, events, sources. With --out also writes an HTML
+    page, figures and channels.
+    """
+    with _plain_errors():
+        from ridedown.apps.output import check_folder
+        from ridedown.scenario import load
+
+        if out is not None:
+            check_folder(out)
+        loaded = load(scenario)
+
+        # after what can be wrong with the input, for these take most of the time
+        from ridedown.apps import show
+        from ridedown.simulation import simulate
+
+        _say_if_cold()
+        with show.working("simulating"):
+            response = simulate(loaded, throw=False)
+        if out is not None:
+            _write_run(response, out)
+        if as_json:
+            show.as_json(response.summary())
+        else:
+            from ridedown.report.run import result_tables
+
+            show.run_summary(response, result_tables(response))
+            _say_written(out)
+        if not response.completed:
+            typer.echo(f"ridedown: stopped at {1e3 * response.end_time:.3f} ms: {response.status.sentence}.", err=True)
+            raise typer.Exit(STOPPED)
+
+
+@app.command()
+def paper(
+    as_json: Json = False,
+    out: Out = None,
+    identify: Annotated[
+        bool, typer.Option("--identify", help="Find the unstated vehicle again from the ten numbers (up to 2 min).")
+    ] = False,
+) -> None:
+    """Reproduce the founding paper.
+
+    Prints its ten numbers beside ours and its trends, held or not. With --out also writes
+    figures 6 to 19 and an HTML page.
+    """
+    with _plain_errors():
+        from ridedown.apps.output import check_folder
+
+        if out is not None:
+            check_folder(out)
+        if identify:
+            _identify(as_json=as_json, out=out)
+        else:
+            _reproduce(as_json=as_json, out=out)
+
+
+@app.command()
+def catalogue(
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Print this scenario and its sources.")] = None,
+) -> None:
+    """List the published scenarios, or print one."""
+    with _plain_errors():
+        if name is None:
+            from ridedown.apps import show
+
+            show.catalogue_list()
+        else:
+            from ridedown.catalogue import entry
+            from ridedown.scenario import dump, load
+
+            typer.echo(dump(load(entry(name).data)), nl=False)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of scenario files."""
+    with _plain_errors():
+        from ridedown.apps import show
+        from ridedown.scenario import json_schema
+
+        show.as_json(json_schema())
+
+
+@contextmanager
+def _plain_errors() -> Iterator[None]:
+    """Turn what a user can mend into one sentence on stderr and exit code 2."""
+    try:
+        yield
+    except RidedownError as error:
+        _refuse(str(error))
+    except BrokenPipeError:
+        raise  # the reader has gone: typer ends the program quietly
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        _refuse(f"{where}{error.strerror or error}.")
+
+
+def _say_if_cold() -> None:
+    from ridedown.solver.cache import is_cold
+
+    if is_cold():
+        typer.echo("compiling the solver, once; about 15 s", err=True)
+
+
+def _refuse(sentence: str) -> None:
+    typer.echo(f"ridedown: {' '.join(sentence.split())}", err=True)
+    raise typer.Exit(BAD_INPUT)
+
+
+def _say_written(out: Path | None) -> None:
+    if out is not None:
+        typer.echo(f"Written to {out}: open {out / 'index.html'}")
+
+
+def _write_run(response: Response, out: Path) -> None:
+    from ridedown.apps import show
+    from ridedown.apps.output import staged
+    from ridedown.report.run import write
+
+    with show.working("drawing"), staged(out) as stage:
+        write(response, stage)
+
+
+def _reproduce(*, as_json: bool, out: Path | None) -> None:
+    from ridedown.apps import show
+    from ridedown.apps.output import staged
+    from ridedown.paper import reproduce
+    from ridedown.paper.page import numbers_table, trends_table
+
+    _say_if_cold()
+    with show.progress("simulating the paper", reproduce.STEPS) as advance:
+        reproduction = reproduce.reproduce(advance)
+    if out is not None:
+        from ridedown.paper.files import write
+
+        with show.working("drawing"), staged(out) as stage:
+            write(reproduction, stage)
+    if as_json:
+        show.as_json(reproduction.to_dict())
+        return
+    show.tables(numbers_table(reproduction.headlines), trends_table(reproduction.trends))
+    show.note("The vehicle is a reconstruction: the paper does not print its data.")
+    _say_written(out)
+
+
+def _identify(*, as_json: bool, out: Path | None) -> None:
+    from ridedown.apps import show
+    from ridedown.apps.output import staged
+    from ridedown.paper.identify import identify
+
+    _say_if_cold()
+    with show.working("identifying the vehicle from the ten numbers"):
+        found = identify()
+    if out is not None:
+        with staged(out) as stage:
+            (stage / "identified.toml").write_text(found.toml, encoding="utf-8")
+    show.identified(found, as_json=as_json)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""Showing things in a terminal: tables and JSON on stdout, progress on stderr."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import typer
+from rich import box
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from ridedown import catalogue
+from ridedown.report.tables import Column, Table
+
+_PIPE_WIDTH = 120
+"""Columns where the output is no terminal and so has no width of its own."""
+
+
+def console(*, stderr: bool = False) -> Console:
+    """A console on stdout or stderr; without colours or markup of its own in the text it is given."""
+    stream = sys.stderr if stderr else sys.stdout
+    return Console(stderr=stderr, highlight=False, markup=False, width=None if stream.isatty() else _PIPE_WIDTH)
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Say on stderr what is going on, while it is."""
+    with console(stderr=True).status(what):
+        yield
+
+
+@contextmanager
+def progress(what: str, steps: int) -> Iterator[Callable[[str], None]]:
+    """A progress bar on stderr; call what it yields with the name of each step done."""
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(*columns, console=console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=steps)
+        yield lambda step: bar.update(task, advance=1, description=step)
+
+
+def catalogue_list() -> None:
+    """Print every entry of the catalogue: name, how sure its numbers are, what it is."""
+    entries = [catalogue.entry(name) for name in catalogue.names()]
+    columns = (Column("Name", numeric=False), Column("Confidence", numeric=False), Column("What", numeric=False))
+    rows = tuple((entry.name, entry.confidence, entry.description) for entry in entries)
+    tables(Table(f"{len(rows)} published scenarios and examples", columns, rows))
+    note("ridedown catalogue NAME prints one; ridedown run NAME simulates it.")
+
+
+def as_json(value: Any) -> None:
+    """Print as JSON; what is not a number (a time that never comes) is null."""
+    typer.echo(json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def note(text: str) -> None:
+    """Print a line below the tables."""
+    console().print(Text(text))
+
+
+def tables(*shown: Table) -> None:
+    """Print tables, leaving out those with no row."""
+    out = console()
+    for table in shown:
+        if table.rows:
+            out.print(_rich(table))
+            out.print()
+
+
+def _rich(table: Table) -> RichTable:
+    made = RichTable(
+        title=Text(table.caption), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False
+    )
+    for column in table.columns:
+        title = f"{column.title}\n{column.unit}" if column.unit else column.title
+        made.add_column(Text(title), justify="right" if column.numeric else "left", overflow="fold")
+    for row in table.rows:
+        made.add_row(*(Text(cell) for cell in row))
+    return made
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not abs(value) < float("inf"):
+        return None
+    return value

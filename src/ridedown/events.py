@@ -1,0 +1,70 @@
+"""The events of a crash in words: who, what, when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ridedown.network import Law, Network
+from ridedown.solver import laws
+from ridedown.solver.phases import Phases
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened at a time [s]: to which element, and what."""
+
+    time: float
+    who: str
+    what: str
+
+
+def events_of(network: Network, phases: Phases) -> tuple[Event, ...]:
+    """The events of a solved crash, in order.
+
+    Several changes of one element at one instant are one event: a belt that slips from taut through clipped to slack has gone
+    slack.
+    """
+    changes: list[tuple[float, int, int, int]] = []
+    for time, e, before, after in zip(
+        phases.event_time, phases.event_element, phases.event_before, phases.event_after, strict=True
+    ):
+        same = next((k for k in range(len(changes) - 1, -1, -1) if _is_same(changes[k], time, e)), None)
+        if same is None:
+            changes.append((float(time), int(e), int(before), int(after)))
+        else:
+            changes[same] = (changes[same][0], int(e), changes[same][2], int(after))
+    return tuple(
+        Event(time, network.elements[e], _what(network, e, before, after))
+        for time, e, before, after in changes
+        if before != after
+    )
+
+
+def _is_same(change: tuple[float, int, int, int], time: float, element: int) -> bool:
+    return change[1] == element and abs(change[0] - time) <= 1e-12
+
+
+def _what(network: Network, e: int, before: int, after: int) -> str:
+    law = network.law[e]
+    if law in {Law.ELASTIC, Law.PLASTIC}:
+        return _curve_event(int(network.piece_start[e + 1] - network.piece_start[e]), before, after)
+    if before == laws.OPEN:
+        return "slack taken up"
+    if after == laws.OPEN:
+        return "slack again"
+    if law == Law.THRESHOLD:
+        return "damping ends" if after == laws.UNDAMPED else "damping sets in"
+    return "damping outweighs the spring: no pull" if after == laws.CLIPPED else "pulls again"
+
+
+def _curve_event(pieces: int, before: int, after: int) -> str:
+    unloading = pieces + 1
+    if after == laws.OPEN:
+        return "contact lost"
+    if after == unloading:
+        return "contact again, on its unloading line" if before == laws.OPEN else "starts to unload"
+    if before == laws.OPEN:
+        return "contact"
+    if before == unloading:
+        return "crushes on"
+    return f"on to piece {after}" if after > before else f"back to piece {after}"

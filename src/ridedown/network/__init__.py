@@ -1,0 +1,7 @@
+"""The crash as the solver sees it: coordinates, elements and their laws, as flat arrays."""
+
+from ridedown.network.builder import Builder
+from ridedown.network.channels import Channel, Family, channels
+from ridedown.network.model import Curve, KelvinVoigt, Law, Linear, Network, Number, Threshold
+
+__all__ = ["Builder", "Channel", "Curve", "Family", "KelvinVoigt", "Law", "Linear", "Network", "Number", "Threshold", "channels"]

@@ -1,0 +1,179 @@
+"""What a table of crashes gives back: named columns of outcomes.
+
+    <channel>.peak          largest magnitude                      <channel>.peak_time   and when [s]
+    <channel>.max, .min     largest and smallest value             <channel>.max_time, .min_time
+    <body>.displacement.final, <body>.velocity.final               at the end
+    <element>.absorbed      work done on an element [J]            <element>.residual    permanent set of a plastic curve [m]
+    energy.initial, energy.final                                   kinetic energy of all bodies [J]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ridedown.errors import UnknownName
+from ridedown.network import Channel, Family, Law, Network, channels
+from ridedown.network.model import Floats, Ints
+from ridedown.solver.solve import Solved, tracked
+from ridedown.solver.workspace import Tracked
+from ridedown.status import Status
+
+_SENSES = {"peak": 0, "max": 1, "min": -1}
+_ENERGIES = ("energy.initial", "energy.final")
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """Which outcomes are asked for, and what the solver must keep for them."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    tracked: Tracked
+    tracked_names: tuple[str, ...]  # "<channel>.<sense>" of each tracked quantity
+    channels: Mapping[str, Channel]
+    needs_work: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcomes(Mapping[str, Floats]):
+    """Outcomes of R crashes: a mapping of names to columns of shape (R,), SI units."""
+
+    columns: dict[str, Floats]
+    units: dict[str, str]
+    status: Ints
+    """Shape (R,): the value of a `Status`; 0 is completed."""
+    time: Floats
+    """Shape (R,): time reached [s]; the duration, where completed."""
+    steps: Ints
+    """Shape (R,): steps that the solver took."""
+
+    @classmethod
+    def empty(cls, plan: Wanted, rows: int) -> Outcomes:
+        """Room for the outcomes of so many crashes."""
+        return cls(
+            {name: np.empty(rows) for name in plan.names},
+            dict(zip(plan.names, plan.units, strict=True)),
+            np.full(rows, -1, dtype=np.int64),
+            np.zeros(rows),
+            np.zeros(rows, dtype=np.int64),
+        )
+
+    def fill(self, rows: slice, plan: Wanted, network: Network, solved: Solved) -> None:
+        """Put in the rows that were solved."""
+        for name in plan.names:
+            self.columns[name][rows] = _value(name, plan, network, solved)
+        self.status[rows] = solved.stop
+        self.time[rows] = solved.time
+        self.steps[rows] = solved.steps
+
+    @property
+    def completed(self) -> NDArray[np.bool_]:
+        """Shape (R,): which crashes were solved to their end."""
+        return self.status == Status.COMPLETED.value
+
+    def failures(self) -> dict[str, int]:
+        """How many crashes stopped early, by the sentence that says why."""
+        codes, counts = np.unique(self.status[~self.completed], return_counts=True)
+        return {Status.of(int(code)).sentence: int(count) for code, count in zip(codes, counts, strict=True)}
+
+    def __getitem__(self, name: str) -> Floats:
+        """The column of that name. Raises: UnknownName."""
+        if name not in self.columns:
+            raise UnknownName.among("outcome", name, self.columns)
+        return self.columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+
+def wanted(network: Network, names: Sequence[str] | None) -> Wanted:
+    """What the solver must keep for the outcomes of these names. Raises: UnknownName, with the nearest."""
+    every = channels(network)
+    if names is None:
+        names = _usual(network, every)
+    known = dict(_known(network, every))
+    for name in names:
+        if name not in known:
+            raise UnknownName.among("outcome", name, known)
+    keys = dict.fromkeys(key for key in (_tracked_key(name) for name in names) if key is not None)
+    quantities = [(every[key.rsplit(".", 1)[0]], _SENSES[key.rsplit(".", 1)[1]]) for key in keys]
+    return Wanted(
+        names=tuple(names),
+        units=tuple(known[name] for name in names),
+        tracked=tracked(quantities),
+        tracked_names=tuple(keys),
+        channels=every,
+        needs_work=any(name.endswith(".absorbed") for name in names),
+    )
+
+
+def _tracked_key(name: str) -> str | None:
+    """`channel.sense` of an outcome that is an extreme, or None."""
+    stem, kind = name.rsplit(".", 1)
+    sense = kind.removesuffix("_time")
+    return f"{stem}.{sense}" if sense in _SENSES else None
+
+
+def _known(network: Network, every: Mapping[str, Channel]) -> Iterator[tuple[str, str]]:
+    """Every outcome that a network has, with its unit."""
+    for name, channel in every.items():
+        for sense in _SENSES:
+            yield f"{name}.{sense}", channel.unit
+            yield f"{name}.{sense}_time", "s"
+        if all(family in {Family.POSITION, Family.RATE} for family, _, _ in channel.terms):
+            yield f"{name}.final", channel.unit
+    for e, element in enumerate(network.elements):
+        yield f"{element}.absorbed", "J"
+        if network.law[e] == Law.PLASTIC:
+            yield f"{element}.residual", "m"
+    for name in _ENERGIES:
+        yield name, "J"
+
+
+def _usual(network: Network, every: Mapping[str, Channel]) -> list[str]:
+    """The outcomes given where none are asked for: peaks, their times, final speeds, energies."""
+    names: list[str] = []
+    for i, body in enumerate(network.coordinates):
+        if network.is_rotation[i]:
+            names.append(f"{body}.peak")
+            continue
+        names += [f"{body}.acceleration.peak", f"{body}.acceleration.peak_time", f"{body}.displacement.max"]
+        names += [n for n in (f"{body}.excursion.max", f"{body}.relative_displacement.max") if n[:-4] in every]
+        names.append(f"{body}.velocity.final")
+    for e, element in enumerate(network.elements):
+        names += [f"{element}.deflection.max", f"{element}.force.max", f"{element}.absorbed"]
+        if network.law[e] == Law.PLASTIC:
+            names.append(f"{element}.residual")
+    return [*names, *_ENERGIES]
+
+
+def _value(name: str, plan: Wanted, network: Network, solved: Solved) -> Floats:
+    key = _tracked_key(name)
+    if key is not None:
+        source = solved.best_time if name.endswith("_time") else solved.best
+        return source[plan.tracked_names.index(key)]
+    if name == "energy.initial":
+        return kinetic_energy(network, network.rate)
+    if name == "energy.final":
+        return kinetic_energy(network, solved.rate)
+    stem, kind = name.rsplit(".", 1)
+    if kind == "final":
+        state = {Family.POSITION: solved.position, Family.RATE: solved.rate}
+        total: Floats = sum(weight * state[family][index] for family, index, weight in plan.channels[stem].terms)  # type: ignore[assignment]
+        return total
+    element = network.elements.index(stem)
+    return solved.work[element] if kind == "absorbed" else np.maximum(solved.set[element], 0.0)
+
+
+def kinetic_energy(network: Network, rate: Floats) -> Floats:
+    """Kinetic energy of all bodies and bars at these rates of the coordinates (n, R), shape (R,) [J]."""
+    absolute = np.array([rate[network.chain(i)].sum(axis=0) for i in range(len(network.coordinates))])
+    energy: Floats = 0.5 * (network.inertia * absolute**2).sum(axis=0)
+    return energy

@@ -1,0 +1,1 @@
+"""A run shown: tables, figures, and an HTML page that stands alone."""

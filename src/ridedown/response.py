@@ -1,0 +1,350 @@
+"""What comes back from a crash: every channel as an exact function of time, peaks, events, balances."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ridedown.balance import EnergyBalance, MomentumBalance, energy_balance, momentum_balance
+from ridedown.errors import InvalidInput
+from ridedown.events import Event, events_of
+from ridedown.forcing import forcing_channels
+from ridedown.network import Channel, Law, Network, channels
+from ridedown.network.channels import find
+from ridedown.scenario import CrashScenario, NetworkScenario, Source
+from ridedown.solver.phases import Phases
+from ridedown.status import Status
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Extremum:
+    """A largest or smallest value of a channel, in its SI unit, and its time [s]."""
+
+    value: float
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleResult:
+    """One vehicle, SI, along its own forward direction.
+
+    delta_v: velocity at the end less that at the start. dynamic_crush: the largest deflection of either member, with its time.
+    residual_crush: the larger permanent set. peak_acceleration: the value of largest magnitude, negative when braking.
+    time_to_rest: when the velocity first falls to zero, None if it never does.
+    """
+
+    mass: float
+    speed: float
+    delta_v: float
+    dynamic_crush: Extremum
+    residual_crush: float
+    peak_acceleration: Extremum
+    time_to_rest: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class OccupantResult:
+    """One occupant, SI. excursion: relative to the vehicle; relative_displacement: of a child, to its seat."""
+
+    kind: str
+    vehicle: str
+    mass: float
+    peak_acceleration: Extremum
+    excursion: Extremum
+    relative_displacement: Extremum
+    restraint_force: Extremum
+    time_to_rest: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class MassResult:
+    """One mass of a network scenario, SI."""
+
+    mass: float
+    speed: float
+    delta_v: float
+    displacement: Extremum
+    peak_acceleration: Extremum
+
+
+class Response:
+    """The exact response of one crash: piecewise polynomials between located events.
+
+    >>> from ridedown import load, simulate
+    >>> response = simulate(load("p1"))
+    >>> round(response.maximum("adult.excursion").value, 6)  # m
+    0.207102
+    >>> response.at("vehicle1.velocity", [0.0, 0.05]).round(3)  # m/s
+    array([13.33 ,  9.205])
+    """
+
+    def __init__(
+        self, scenario: CrashScenario | NetworkScenario, network: Network, phases: Phases, status: Status
+    ) -> None:
+        self.scenario = scenario
+        self.network = network
+        self.phases = phases
+        self.status = status
+
+    def __repr__(self) -> str:
+        ended = f"{1e3 * self.end_time:.6g} ms, {self.phases.start.size} phases, {len(self.events)} events"
+        return f"<Response of {self.scenario.name or 'a scenario'}: {ended}>"
+
+    @property
+    def completed(self) -> bool:
+        """Whether the crash was solved to its end."""
+        return self.status is Status.COMPLETED
+
+    @property
+    def end_time(self) -> float:
+        """Time reached [s]: the scenario's duration, unless stopped before."""
+        return self.phases.end
+
+    # channels
+
+    @cached_property
+    def _channels(self) -> dict[str, Channel]:
+        known = channels(self.network)
+        if isinstance(self.scenario, CrashScenario):
+            known.update(forcing_channels(self.scenario, self.network, self.phases, known))
+        return known
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of all channels (see `ridedown.network.channels`)."""
+        return tuple(self._channels)
+
+    def unit(self, channel: str) -> str:
+        """SI unit of a channel."""
+        return find(self._channels, channel).unit
+
+    def at(self, channel: str, times: ArrayLike) -> Floats:
+        """A channel at times [s] between 0 and `end_time`, of the times' shape; at an event, the value just after it.
+
+        Raises: UnknownName, with the nearest channels; InvalidInput for a time outside the response.
+        """
+        series = self._series(channel)
+        times = np.asarray(times, dtype=np.float64)
+        slack = 1e-12 * max(self.end_time, 1.0)
+        if times.size and not (times.min() >= -slack and times.max() <= self.end_time + slack):
+            raise InvalidInput(
+                f"times: got {times.min():g} .. {times.max():g} s; need 0 .. {self.end_time:g} s. Ask within the response."
+            )
+        return self.phases.at(series, times)
+
+    def _series(self, channel: str) -> Floats:
+        return self.phases.series(find(self._channels, channel))
+
+    def table(self, times: ArrayLike | None = None) -> dict[str, Floats]:
+        """Every channel at times [s], under its name, with the times themselves as "time"; at every 0.1 ms if left out."""
+        grid = self.times() if times is None else np.asarray(times, dtype=np.float64)
+        return {"time": grid, **{name: self.at(name, grid) for name in self.channels}}
+
+    def times(self, step: float = 1e-4) -> Floats:
+        """Evenly spaced times [s] from 0 to the end, `step` apart at most."""
+        return np.linspace(0.0, self.end_time, max(2, math.ceil(self.end_time / step - 1e-9) + 1))
+
+    def drawing_times(self, step: float = 5e-4) -> Floats:
+        """Times [s] for a curve: evenly spaced, with two at every phase's boundary, so that steps are drawn upright."""
+        starts = self.phases.start[1:]
+        before = np.nextafter(starts, 0.0)
+        return np.unique(np.concatenate((self.times(step), before, starts)))
+
+    # peaks
+
+    def maximum(self, channel: str) -> Extremum:
+        """The largest value of a channel and when, exact."""
+        return self._extremum(channel, 1)
+
+    def minimum(self, channel: str) -> Extremum:
+        """The smallest value of a channel and when, exact."""
+        return self._extremum(channel, -1)
+
+    def peak(self, channel: str) -> Extremum:
+        """The value of largest magnitude, with its sign, and when, exact."""
+        return self._extremum(channel, 0)
+
+    def _extremum(self, channel: str, sense: int) -> Extremum:
+        return Extremum(*self.phases.largest(self._series(channel), sense))
+
+    def time_to_rest(self, body: str) -> float | None:
+        """When a body's velocity first falls below zero [s], or None if it does not."""
+        return self.phases.first_fall(self._series(f"{body}.velocity"))
+
+    # what happened
+
+    @cached_property
+    def events(self) -> tuple[Event, ...]:
+        """What happened, in order: contacts, knees, slack taken up, and the like."""
+        return events_of(self.network, self.phases)
+
+    @cached_property
+    def final_rate(self) -> Floats:
+        """Rates of the network's coordinates at the end, (n,)."""
+        powers = self.phases.length[-1] ** np.arange(self.phases.position.shape[1] - 1)
+        orders = np.arange(1, self.phases.position.shape[1])
+        rate: Floats = np.einsum("ji,j->i", self.phases.position[-1, 1:, :], orders * powers)
+        return rate
+
+    @cached_property
+    def energy(self) -> EnergyBalance:
+        """Where the energy went, element by element, and what does not add up."""
+        return energy_balance(self.network, self.phases, self.final_rate)
+
+    @cached_property
+    def momentum(self) -> MomentumBalance:
+        """Momentum along vehicle 1's forward direction, and what does not add up."""
+        roots = [self.network.coordinates[i] for i in np.flatnonzero(self.network.parent < 0)]
+        against = "vehicle2" if isinstance(self.scenario, CrashScenario) else None
+        direction = {name: -1.0 if name == against else 1.0 for name in roots}
+        return momentum_balance(self.network, self.phases, self.final_rate, direction)
+
+    @cached_property
+    def restitution(self) -> float | None:
+        """Coefficient of restitution: speed of separation over closing speed, None while still in contact or for a network."""
+        scenario = self.scenario
+        if not isinstance(scenario, CrashScenario) or self.events_pending:
+            return None
+        names = [name for name in ("vehicle1", "vehicle2") if name in self.network.coordinates]
+        closing = sum(self._start(f"{name}.velocity") for name in names)
+        parting = -sum(self._end(f"{name}.velocity") for name in names)
+        return parting / closing if closing > 0.0 else None
+
+    @property
+    def events_pending(self) -> bool:
+        """Whether a front member still pushes at the end."""
+        return any(
+            self._end(f"{name}.force") > 0.0
+            for e, name in enumerate(self.network.elements)
+            if self.network.law[e] in {Law.ELASTIC, Law.PLASTIC}
+        )
+
+    @cached_property
+    def vehicles(self) -> dict[str, VehicleResult]:
+        """Each vehicle's outcome; empty for a network scenario."""
+        if not isinstance(self.scenario, CrashScenario):
+            return {}
+        given = {"vehicle1": self.scenario.vehicle1, "vehicle2": self.scenario.vehicle2}
+        return {
+            name: self._vehicle(name, float(vehicle.mass), float(vehicle.speed))
+            for name, vehicle in given.items()
+            if vehicle is not None
+        }
+
+    def _vehicle(self, name: str, mass: float, speed: float) -> VehicleResult:
+        members = [e for e in self.network.elements if e in {f"{name}.right", f"{name}.left"}]
+        crush = max((self.maximum(f"{member}.deflection") for member in members), key=lambda peak: peak.value)
+        permanent = max(float(self.phases.set[self.network.elements.index(member)]) for member in members)
+        return VehicleResult(
+            mass=mass,
+            speed=speed,
+            delta_v=self._end(f"{name}.velocity") - speed,
+            dynamic_crush=crush,
+            residual_crush=max(permanent, 0.0),
+            peak_acceleration=self.peak(f"{name}.acceleration"),
+            time_to_rest=self.time_to_rest(name),
+        )
+
+    @cached_property
+    def occupants(self) -> dict[str, OccupantResult]:
+        """Each occupant's outcome; empty for a network scenario."""
+        if not isinstance(self.scenario, CrashScenario):
+            return {}
+        return {
+            occupant.name: OccupantResult(
+                kind=occupant.kind,
+                vehicle=f"vehicle{occupant.vehicle}",
+                mass=float(occupant.mass),
+                peak_acceleration=self.peak(f"{occupant.name}.acceleration"),
+                excursion=self.maximum(f"{occupant.name}.excursion"),
+                relative_displacement=self.maximum(f"{occupant.name}.relative_displacement"),
+                restraint_force=self.maximum(f"{occupant.name}.restraint.force"),
+                time_to_rest=self.time_to_rest(occupant.name),
+            )
+            for occupant in self.scenario.occupants
+        }
+
+    @cached_property
+    def masses(self) -> dict[str, MassResult]:
+        """Each mass of a network scenario; empty for a crash."""
+        if not isinstance(self.scenario, NetworkScenario):
+            return {}
+        return {
+            body.name: MassResult(
+                mass=float(body.mass),
+                speed=float(body.speed),
+                delta_v=self._end(f"{body.name}.velocity") - float(body.speed),
+                displacement=self.peak(f"{body.name}.displacement"),
+                peak_acceleration=self.peak(f"{body.name}.acceleration"),
+            )
+            for body in self.scenario.masses
+        }
+
+    def _start(self, channel: str) -> float:
+        return float(self.at(channel, 0.0))
+
+    def _end(self, channel: str) -> float:
+        return float(self.at(channel, self.end_time))
+
+    # what it rests on, and taking it elsewhere
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The publications that the scenario's numbers rest on, each with how sure it is."""
+        return self.scenario.sources
+
+    def summary(self) -> dict[str, Any]:
+        """Everything but the channels, as plain data for JSON; SI units."""
+        return {
+            "name": self.scenario.name,
+            "description": self.scenario.description,
+            "status": {"completed": self.completed, "sentence": self.status.sentence, "end_time": self.end_time},
+            "vehicles": {name: asdict(result) for name, result in self.vehicles.items()},
+            "occupants": {name: asdict(result) for name, result in self.occupants.items()},
+            "masses": {name: asdict(result) for name, result in self.masses.items()},
+            "restitution": self.restitution,
+            "energy": asdict(self.energy),
+            "momentum": asdict(self.momentum),
+            "events": [asdict(event) for event in self.events],
+            "sources": [source.model_dump() for source in self.sources],
+        }
+
+    def to_arrow(self, times: ArrayLike | None = None, names: Iterable[str] | None = None) -> pa.Table:
+        """The channels as an Arrow table; each column's unit is in its field's metadata."""
+        import pyarrow as pa  # noqa: PLC0415  slow to import, and few runs need it
+
+        data = self.table(times)
+        chosen = list(data) if names is None else ["time", *names]
+        fields = [
+            pa.field(name, pa.float64(), metadata={"unit": "s" if name == "time" else self.unit(name)})
+            for name in chosen
+        ]
+        return pa.table([data[name] for name in chosen], schema=pa.schema(fields))
+
+    def to_csv(self, path: str | Path, times: ArrayLike | None = None) -> None:
+        """Write the channels, one column each, its unit in the header: `time [s],vehicle1.displacement [m],...`."""
+        data = self.table(times)
+        units = ("s" if name == "time" else self.unit(name) for name in data)
+        header = ",".join(f"{name} [{unit}]" for name, unit in zip(data, units, strict=True))
+        rows = np.column_stack(list(data.values()))
+        with Path(path).open("w", encoding="utf-8", newline="\n") as file:
+            file.write(header + "\n")
+            np.savetxt(file, rows, fmt="%.12g", delimiter=",")
+
+    def to_parquet(self, path: str | Path, times: ArrayLike | None = None) -> None:
+        """Write the channels to a Parquet file (zstd), units in the columns' metadata."""
+        import pyarrow.parquet as pq  # noqa: PLC0415
+
+        pq.write_table(self.to_arrow(times), str(path), compression="zstd")

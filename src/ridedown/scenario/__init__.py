@@ -1,0 +1,42 @@
+"""What the user writes: vehicles, collision, occupants and restraints, as frozen models, read from TOML or YAML."""
+
+from __future__ import annotations
+
+from ridedown.scenario.bar import Arms, Bar
+from ridedown.scenario.files import dump, load
+from ridedown.scenario.lowering import lower
+from ridedown.scenario.member import Member, Piece
+from ridedown.scenario.model import Collision, CrashScenario, Source
+from ridedown.scenario.networks import Crush, NetworkScenario, PointMass, Tie
+from ridedown.scenario.occupant import Occupant, Restraint, Seat
+from ridedown.scenario.parameters import Parameter, parameters, substitute
+from ridedown.scenario.schema import json_schema
+from ridedown.scenario.vehicle import Vehicle
+
+Scenario = CrashScenario | NetworkScenario
+
+__all__ = [
+    "Arms",
+    "Bar",
+    "Collision",
+    "CrashScenario",
+    "Crush",
+    "Member",
+    "NetworkScenario",
+    "Occupant",
+    "Parameter",
+    "Piece",
+    "PointMass",
+    "Restraint",
+    "Scenario",
+    "Seat",
+    "Source",
+    "Tie",
+    "Vehicle",
+    "dump",
+    "json_schema",
+    "load",
+    "lower",
+    "parameters",
+    "substitute",
+]

@@ -1,0 +1,127 @@
+"""One crash, or very many: from a scenario to its response, from a table of parameters to outcomes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ridedown.errors import InvalidInput, SimulationStopped
+from ridedown.outcomes import Outcomes, Wanted, wanted
+from ridedown.response import Response
+from ridedown.scenario import CrashScenario, NetworkScenario, lower, substitute
+from ridedown.solver.solve import solve_many, solve_one
+from ridedown.status import Status
+
+S = TypeVar("S", bound=CrashScenario | NetworkScenario)
+
+_CHUNK = 2048  # crashes lowered and solved at a time: what bounds the memory
+
+
+def simulate(scenario: CrashScenario | NetworkScenario, *, throw: bool = True) -> Response:
+    """Solve one crash exactly, event by event.
+
+    Returns: the response, with every channel, peak and event. Where the solver cannot go on to the end, the response holds
+    the part computed so far and its `status` says why; it is then raised, unless `throw` is false.
+
+    Raises: SimulationStopped, with the `response` so far.
+
+    >>> from ridedown import load, simulate
+    >>> response = simulate(load("paper-adult-full"))
+    >>> response.completed
+    True
+    """
+    network = lower(scenario)
+    phases, stop = solve_one(network)
+    response = Response(scenario, network, phases, Status.of(stop))
+    if throw and not response.completed:
+        raise SimulationStopped(f"stopped at {1e3 * response.end_time:.3f} ms: {response.status.sentence}", response)
+    return response
+
+
+def simulate_many(
+    scenario: S,
+    table: Mapping[str, ArrayLike],
+    *,
+    outcomes: Sequence[str] | None = None,
+    threads: int | None = None,
+) -> Outcomes:
+    """Solve a scenario once for every row of a table of parameters.
+
+    table: parameter paths (see `ridedown.scenario.parameters`) to columns of one length, SI units; a single number holds for
+    all rows. outcomes: names as `Outcomes` explains; a useful choice if left out. threads: as many as the machine has cores if
+    left out; the results do not depend on it.
+
+    Returns: the outcomes, a column each, in the order of the rows, with a status per row: a crash that could not be solved to
+    its end keeps the outcomes of the part computed, and its status says why.
+
+    Raises: UnknownName for a path or an outcome that does not exist; InvalidInput for a value that may not be.
+
+    >>> from ridedown import load, simulate_many
+    >>> crash = load("paper-adult-full")
+    >>> many = simulate_many(crash, {"adult.restraint.stiffness": [20e3, 40e3, 98.1e3]}, outcomes=["adult.excursion.max"])
+    >>> many["adult.excursion.max"].round(3)
+    array([0.474, 0.381, 0.283])
+    """
+    columns, rows = _columns(table)
+    workers = _workers(threads)
+    plan = wanted(lower(scenario), outcomes)
+    substitute(scenario, columns)  # the whole table is judged before the first crash is solved
+    result = Outcomes.empty(plan, rows)
+    starts = range(0, rows, _CHUNK)
+
+    def solve(start: int) -> None:
+        _solve_chunk(scenario, columns, plan, result, slice(start, min(start + _CHUNK, rows)))
+
+    if workers == 1 or len(starts) == 1:
+        for start in starts:
+            solve(start)
+    else:
+        with ThreadPoolExecutor(workers) as pool:
+            list(pool.map(solve, starts))
+    return result
+
+
+def _solve_chunk(
+    scenario: CrashScenario | NetworkScenario,
+    columns: Mapping[str, NDArray[np.float64]],
+    plan: Wanted,
+    result: Outcomes,
+    rows: slice,
+) -> None:
+    chunk = {path: column[rows] if column.ndim else column for path, column in columns.items()}
+    network = lower(substitute(scenario, chunk)).widened(rows.stop - rows.start)
+    result.fill(rows, plan, network, solve_many(network, plan.tracked, work=plan.needs_work))
+
+
+def _columns(table: Mapping[str, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], int]:
+    """The table as arrays, and its number of rows."""
+    columns = {}
+    rows: dict[str, int] = {}
+    for path, given in table.items():
+        try:
+            column = np.asarray(given, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InvalidInput(f"{path}: got {given!r}; need a column of numbers in SI units. Give one per crash.") from None
+        if column.ndim > 1:
+            raise InvalidInput(f"{path}: got an array of shape {column.shape}; need a column, shape (R,). Give one per crash.")
+        columns[path] = column
+        if column.ndim:
+            rows[path] = column.size
+    if len(set(rows.values())) > 1:
+        (path, size), *others = rows.items()
+        other, other_size = next((p, n) for p, n in others if n != size)
+        raise InvalidInput(f"{other}: got {other_size} rows; need {size}, as in {path}. Give columns of one length.")
+    return columns, next(iter(rows.values()), 1)
+
+
+def _workers(threads: int | None) -> int:
+    if threads is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+        raise InvalidInput(f"threads: got {threads!r}; need a whole number of 1 or more. Leave it out for all cores.")
+    return threads

@@ -1,0 +1,69 @@
+"""Compiling the kernels, and keeping what was compiled.
+
+Numba's own cache does not notice an edit in a kernel that another file calls, so the folder of the compiled code carries a
+hash of every kernel source: a changed source is a new folder. Where nothing can be written, kernels are compiled anew in each
+process; importing never fails for it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+from numba.core import config
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_OPTIONS: dict[str, Any] = {"nogil": True, "_nrt": False, "error_model": "numpy", "fastmath": {"contract"}}
+
+
+def _sources_hash() -> str:
+    digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _user_cache() -> Path:
+    root = os.environ.get("RIDEDOWN_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
+    if root:
+        return Path(root) / "ridedown"
+    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
+        return Path(os.environ["LOCALAPPDATA"]) / "ridedown" / "cache"
+    return Path.home() / ".cache" / "ridedown"
+
+
+def _writable_folder() -> Path | None:
+    try:
+        folder = _user_cache() / f"kernels-{_sources_hash()}"
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):  # RuntimeError: no home directory
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+FOLDER = _writable_folder()
+
+
+def kernel(function: F) -> F:
+    """Compile `function` with the project's options, cached in this version's folder."""
+    if FOLDER is None:
+        return numba.njit(**_OPTIONS)(function)  # type: ignore[no-any-return]
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(FOLDER)  # read by numba when the function is decorated, and only then
+    try:
+        return numba.njit(cache=True, **_OPTIONS)(function)  # type: ignore[no-any-return]
+    except RuntimeError:  # no locator could use the folder
+        return numba.njit(**_OPTIONS)(function)  # type: ignore[no-any-return]
+    finally:
+        config.CACHE_DIR = before
+
+
+def is_cold() -> bool:
+    """Whether the kernels have still to be compiled on this machine (some seconds, once)."""
+    return FOLDER is None or not any(FOLDER.rglob("march.march-*.nbc"))

@@ -1,0 +1,162 @@
+"""A solved crash as it comes from the solver: polynomials, phase by phase, and what is asked of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ridedown.network import Channel, Family, Network
+from ridedown.network.model import Floats, Ints
+from ridedown.solver import polynomial
+from ridedown.solver.cache import kernel
+from ridedown.solver.workspace import DEGREE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Phases:
+    """n phases of one crash, each a power series in the time since its start, degree DEGREE; axes (phase, order, index)."""
+
+    start: Floats  # (n,) s
+    length: Floats  # (n,) s
+    position: Floats  # (n, DEGREE + 1, coordinates)
+    deflection: Floats  # (n, DEGREE + 1, elements)
+    force: Floats  # (n, DEGREE + 1, elements)
+    event_time: Floats  # (k,)
+    event_element: Ints
+    event_before: Ints  # mode, see laws.py
+    event_after: Ints
+    set: Floats  # (elements,) permanent set at the end, m
+
+    @property
+    def end(self) -> float:
+        """Time reached [s]."""
+        return float(self.start[-1] + self.length[-1]) if self.start.size else 0.0
+
+    def series(self, channel: Channel) -> Floats:
+        """Coefficients of a channel, (n, DEGREE + 1), ascending powers of the time since the phase's start."""
+        total = np.zeros((self.start.size, DEGREE + 1))
+        total[:, 0] = channel.constant
+        for family, index, weight in channel.terms:
+            if family == Family.FORCE:
+                total += weight * self.force[:, :, index]
+            elif family >= Family.DEFLECTION:
+                total += weight * _differentiated(self.deflection[:, :, index], family - Family.DEFLECTION)
+            else:
+                total += weight * _differentiated(self.position[:, :, index], int(family))
+        return total
+
+    def at(self, series: Floats, time: Floats) -> Floats:
+        """Values of a series at times [s] within the crash; at an event, those just after it."""
+        phase = np.clip(np.searchsorted(self.start, time, side="right") - 1, 0, self.start.size - 1)
+        local = time - self.start[phase]
+        value = series[phase, DEGREE]
+        for order in range(DEGREE - 1, -1, -1):
+            value = value * local + series[phase, order]
+        return value
+
+    def largest(self, series: Floats, sense: int) -> tuple[float, float]:
+        """The largest (sense 1), smallest (-1) or farthest from zero (0) value of a series, with its sign, and its time [s]."""
+        value, phase, fraction = _largest(series, self.length, sense)
+        return float(value), float(self.start[phase] + fraction * self.length[phase])
+
+    def first_fall(self, series: Floats) -> float | None:
+        """The first time [s] at which a series that starts positive turns negative, or None."""
+        phase, fraction = _first_fall(series, self.length)
+        return None if phase < 0 else float(self.start[phase] + fraction * self.length[phase])
+
+    def integral_of_product(self, first: Floats, second: Floats) -> float:
+        """The integral over the whole crash of the product of two series, exact."""
+        half = 0.5 * self.length[:, None]
+        local = half * (1.0 + _NODES)
+        return float(np.sum(_horner(first, local) * _horner(second, local) * _WEIGHTS * half))
+
+    def integral(self, series: Floats) -> float:
+        """The integral of a series over the whole crash."""
+        orders = np.arange(1, DEGREE + 2)
+        return float(np.sum(series * self.length[:, None] ** orders / orders))
+
+
+# Gauss-Legendre, exact for the product of two series of degree DEGREE
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(DEGREE + 1)
+
+
+def _horner(series: Floats, local: Floats) -> Floats:
+    value = np.repeat(series[:, DEGREE : DEGREE + 1], local.shape[1], axis=1)
+    for order in range(DEGREE - 1, -1, -1):
+        value = value * local + series[:, order : order + 1]
+    return value
+
+
+def _differentiated(series: Floats, times: int) -> Floats:
+    for _ in range(times):
+        shifted = np.zeros_like(series)
+        shifted[:, :-1] = series[:, 1:] * np.arange(1, series.shape[1])
+        series = shifted
+    return series
+
+
+def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent: Floats) -> Phases:
+    """The phases in the solver's record (see `workspace.Record`)."""
+    n, m = len(network.coordinates), len(network.elements)
+    kept = kept[:count]
+    changes = log[1 : 1 + int(log[0, 0])]
+    whole = changes[:, 1:].astype(np.int64)
+    return Phases(
+        start=kept[:, 0, 0],
+        length=kept[:, 0, 1],
+        position=kept[:, 1:, :n],
+        deflection=kept[:, 1:, n : n + m],
+        force=kept[:, 1:, n + m : n + 2 * m],
+        event_time=changes[:, 0],
+        event_element=whole[:, 0],
+        event_before=whole[:, 1],
+        event_after=whole[:, 2],
+        set=permanent,
+    )
+
+
+@kernel
+def _scaled(series, phase, length, sign, p):
+    power = sign
+    for j in range(DEGREE + 1):
+        p[j] = series[phase, j] * power
+        power *= length
+
+
+@kernel
+def _scan_largest(series, length, sense, p, room):
+    best, where, at, kept = -np.inf, 0.0, 0, 1.0
+    for phase in range(length.size):
+        for sign in (1.0, -1.0):
+            if sense * sign < 0.0:
+                continue
+            _scaled(series, phase, length[phase], sign, p)
+            peak, fraction = polynomial.maximum(p, 0, DEGREE, best, room)
+            if fraction >= 0.0:
+                best, where, at, kept = peak, fraction, phase, sign
+    return kept * best, at, where
+
+
+@kernel
+def _scan_fall(series, length, p, room):
+    for phase in range(length.size):
+        _scaled(series, phase, length[phase], 1.0, p)
+        if p[0] < 0.0:
+            return phase, 0.0
+        if p[0] == 0.0:
+            continue
+        root = polynomial.first_root(p, 0, DEGREE, room)
+        if root <= 1.0:
+            return phase, root
+    return -1, 0.0
+
+
+def _largest(series: Floats, length: Floats, sense: int) -> tuple[float, int, float]:
+    return _scan_largest(  # type: ignore[no-any-return]
+        series, length, sense, np.zeros(DEGREE + 1), np.zeros(polynomial.WORK_SHAPE)
+    )
+
+
+def _first_fall(series: Floats, length: Floats) -> tuple[int, float]:
+    return _scan_fall(series, length, np.zeros(DEGREE + 1), np.zeros(polynomial.WORK_SHAPE))  # type: ignore[no-any-return]
