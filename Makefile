@@ -9,7 +9,7 @@ READY := .venv/ready
 
 demo: $(READY)
 	.venv/bin/ridedown paper --out demo/paper
-	.venv/bin/ridedown run paper-child-offset --out demo/run
+	.venv/bin/ridedown run example-offset --out demo/run
 	@echo
 	@echo "The paper reproduced: demo/paper/index.html. One crash in full: demo/run/index.html."
 

@@ -69,7 +69,9 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 def _jit(function: _Function) -> _Function:
-    return cast("_Function", numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    # numba's cache knows a file by its path but its functions by the module's name: one cached under another name fails
+    cache = __name__ == "benchmarks.p1_reference"
+    return cast("_Function", numba.njit(cache=cache, nogil=True, error_model="numpy")(function))
 
 
 class Step(NamedTuple):

@@ -1,359 +1,419 @@
 """P1 by heyoka: Taylor series in batches, events located by the integrator, modes and peaks by hand.
 
-What makes it fast: the force laws are linear in each mode, and their coefficients are runtime parameters, lane by lane,
-so that one compiled integrator serves every mode; `tan(theta)` is a state of its own, so that the right-hand side is
-polynomial; occupants move relative to what they are tied to, so that guards are states plus constants; a lane whose
-crash is over takes the next one at once; all of Python's work between two steps is one compiled function; the system
-does not depend on time, so that a step may run past the end and its overhang is left out.
+What makes it fast. The force laws are linear in each mode, and their coefficients are runtime parameters of a lane, so
+that one compiled integrator serves every mode. `tan(theta)` is a state in place of theta, so that the right-hand side
+is polynomial. Occupants move relative to what they are tied to, so that guards are linear in the states. A lane whose
+crash is over takes the next one at once. Nothing depends on time, so that a step may run past the end, and its overhang
+is left out. All work between two steps is one compiled function, which needs of the integrator only its arrays.
 
-What makes it right: modes are set from the state and its rates, not from the one event that was reported, so that
-coincident events are all taken; a guard is an event only as it falls, with no cooldown, so that an event just passed is
-neither found again nor hides the next.
+What makes it right. Modes are set from the state and not from the event that was reported, so that coincident events
+(equal slacks) are all taken. A mode is left a little beyond its bound: a guard that starts at zero makes heyoka lose
+the root that follows in the same step, silently. No event has a cooldown, which would hide one that comes soon after
+another.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
 
 import heyoka as hy
 import numba
 import numpy as np
 from numpy.typing import NDArray
+from p1_reference import (
+    ADULT,
+    BAR_INERTIA,
+    BAR_MASS,
+    CA,
+    CHILD,
+    CLIPPED,
+    END,
+    FIRST,
+    K1,
+    K2,
+    KA,
+    KNEE,
+    LONG_ARM,
+    M1,
+    M2,
+    OFF,
+    OPEN,
+    SEAT,
+    SECOND,
+    SHORT_ARM,
+    SLACK,
+    SPEED,
+    SPRINGS,
+    STATES,
+    TAUT,
+    TIES,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-import os
-TOLERANCE = 1e-9
-LANES = int(os.environ.get('LANES','8'))
+TOLERANCE = 1e-9  # 1e-7 is hardly faster: most steps end at events
+LANES = 16  # two vectors of eight: faster than one, or four, where a vector holds eight
 
-M1, M2, K1, K2, KNEE, KA, CA, KC, CC, KS, CS, SPEED = range(12)
-WIDTH, HALF_OFFSET, BAR_MASS, BAR_INERTIA = 1.1, 0.443, 40.0, 157.0
-ADULT, CHILD, SEAT, SLACK = 80.0, 18.0, 5.0, 0.005
-LONG_ARM, SHORT_ARM = WIDTH / 2.0 + HALF_OFFSET, WIDTH / 2.0 - HALF_OFFSET
-END = 0.2
+# states; the ties' are relative: adult to vehicle, child to seat, seat to vehicle
+X1, V1, X2, V2, XB, VB, TAN, OM, XA, VA, XC, VC, XS, VS = range(STATES)
 
-# states: the ties' are relative, adult to vehicle, child to seat, seat to vehicle
-X1, V1, X2, V2, XB, VB, TAN, OM, XA, VA, XC, VC, XS, VS = range(14)
-SPRINGS, TIES = 4, 3  # springs 1 right, 1 left, 2 right, 2 left; ties adult, child, seat
-# runtime parameters of a lane: the two inverse masses; each law as intercept, stiffness (and damping);
-# each law's two guards, linear as well
-SPRING_LAW, TIE_LAW = 2, 2 + 2 * SPRINGS
-SPRING_GUARD = TIE_LAW + 3 * TIES
+# runtime parameters of a lane: two inverse masses; for each spring, its force as intercept and stiffness; for each tie,
+# its pull as intercept, stiffness, damping; then two guards for each, written alike
+SPRING, TIE = 2, 2 + 2 * SPRINGS
+SPRING_GUARD = TIE + 3 * TIES
 TIE_GUARD = SPRING_GUARD + 4 * SPRINGS
 PARAMETERS = TIE_GUARD + 6 * TIES
 
-OFF, FIRST, SECOND = 0, 1, 2  # a spring
-OPEN, TAUT, CLIPPED = 0, 1, 2  # a tie; clipped: it could only push
-# A mode is left this far beyond its bound [m]: a guard never starts at zero, where the integrator loses its next root.
-GRACE = 1e-13
+GRACE = 1e-13  # m: how far beyond its bound a mode is left
 DUE = 0.5 * GRACE
-# rows of what each lane keeps of its own
-TIME, PART, SCALE, BEND, LEAST, BEST = 0, 1, 2, 3, 4, 5
-ABOVE, SUM, WOBBLE, MODE = 11, 17, 23, 29
-SERIES = MODE + SPRINGS + TIES
-ROWS = SERIES + 6 * 40
-CRASH = 2
+
+# rows of what a lane keeps: time, part of the step that counts, and its running power; accelerations as sums of states;
+# peaks; bounds of the six outcomes' series; coefficients just read
+TIME, PART, POWER, SUMS, PEAK, ABOVE, LAST, WOBBLE, READ = 0, 1, 2, 3, 12, 18, 24, 30, 36
+ROWS = READ + 7
+NEXT, DONE, CRASH = 0, 1, 2  # counts: the next crash, crashes done; then the crash in each lane, -1 for none
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-def _integrator(lanes: int, tolerance: float) -> Any:
-    """P1 with its laws' coefficients left open, and two falling guards for each law as terminal events."""
-    x1, v1, x2, v2, xb, vb, tan, om, xa, va, xc, vc, xs, vs = hy.make_vars(
-        "x1", "v1", "x2", "v2", "xb", "vb", "tan", "om", "xa", "va", "xc", "vc", "xs", "vs"
-    )
+def _jit(function: _Function) -> _Function:
+    decorate = numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
+    return cast("_Function", decorate(function))
+
+
+class Heyoka:
+    """P1 on one thread; compiled by heyoka when made, and by numba when first used."""
+
+    def __init__(self, *, tolerance: float = TOLERANCE) -> None:
+        self.integrator = _integrator(tolerance)
+
+    def solve(self, params: Floats) -> Floats:
+        """Outcomes (N, 6) of parameter sets (N, 12); a crash that could not be solved is a row of NaN."""
+        integrator = self.integrator
+        outputs = np.empty((len(params), 6))
+        counts = np.zeros(CRASH + LANES, dtype=np.int64)
+        modes = np.zeros((SPRINGS + TIES, LANES), dtype=np.int64)
+        own, series = np.zeros(ROWS * LANES), np.zeros((integrator.order + 1, 6 * LANES))
+        state, par, coefficients, length = integrator.state, integrator.pars, integrator.tc, integrator.last_h
+        for j in range(LANES):
+            _start(params, counts, modes, own, state, par, j)
+        step, going = integrator.step, True
+        while going:
+            step(write_tc=True)
+            going = _between(params, outputs, counts, modes, own, series, state, par, coefficients, length)
+        return outputs
+
+
+def _integrator(tolerance: float) -> Any:
+    """P1 with its laws left open; two guards for each law are terminal events, which fire as they fall below zero."""
+    names = ("x1", "v1", "x2", "v2", "xb", "vb", "tan", "om", "xa", "va", "xc", "vc", "xs", "vs")
+    x1, v1, x2, v2, xb, vb, tan, om, xa, va, xc, vc, xs, vs = hy.make_vars(*names)
     par = hy.par
-    gap1, gap2, far, near = x1 - xb, x2 + xb, LONG_ARM * tan, SHORT_ARM * tan
-    springs = (gap1 - far, gap1 + near, gap2 - far, gap2 + near)
-    f = [par[SPRING_LAW + 2 * e] + par[SPRING_LAW + 2 * e + 1] * d for e, d in enumerate(springs)]
+    far, near = LONG_ARM * tan, SHORT_ARM * tan
+    springs = (x1 - xb - far, x1 - xb + near, x2 + xb - far, x2 + xb + near)
     ties = ((xa, va), (xc, vc), (xs, vs))
-    pull = [
-        par[TIE_LAW + 3 * i] + par[TIE_LAW + 3 * i + 1] * x + par[TIE_LAW + 3 * i + 2] * v
-        for i, (x, v) in enumerate(ties)
-    ]
-    brake = (f[0] + f[1]) * par[0]
-    seat = (pull[1] - pull[2]) / SEAT
+
+    def spring(at: int, d: Any) -> Any:
+        return par[at] + par[at + 1] * d
+
+    def tie(at: int, x: Any, v: Any) -> Any:
+        return par[at] + par[at + 1] * x + par[at + 2] * v
+
+    f11, f12, f21, f22 = (spring(SPRING + 2 * e, d) for e, d in enumerate(springs))
+    adult, child, seat = (tie(TIE + 3 * i, x, v) for i, (x, v) in enumerate(ties))
+    brake, seat_push = (f11 + f12) * par[0], (child - seat) / SEAT
     system = [
         (x1, v1),
         (v1, -brake),
         (x2, v2),
-        (v2, -(f[2] + f[3]) * par[1]),
+        (v2, -(f21 + f22) * par[1]),
         (xb, vb),
-        (vb, ((f[0] + f[1]) - (f[2] + f[3])) / BAR_MASS),
+        (vb, (f11 + f12 - f21 - f22) / BAR_MASS),
         (tan, (1.0 + tan * tan) * om),
-        (om, (f[0] + f[2]) * (LONG_ARM / BAR_INERTIA) - (f[1] + f[3]) * (SHORT_ARM / BAR_INERTIA)),
+        (om, (f11 + f21) * (LONG_ARM / BAR_INERTIA) - (f12 + f22) * (SHORT_ARM / BAR_INERTIA)),
         (xa, va),
-        (va, brake - pull[0] / ADULT),
+        (va, brake - adult / ADULT),
         (xc, vc),
-        (vc, -pull[1] / CHILD - seat),
+        (vc, -child / CHILD - seat_push),
         (xs, vs),
-        (vs, brake + seat),
+        (vs, brake + seat_push),
     ]
-    guards = []
-    for e, d in enumerate(springs):
-        for g in (SPRING_GUARD + 4 * e, SPRING_GUARD + 4 * e + 2):
-            guards.append(par[g] + par[g + 1] * d)
-    for i, (x, v) in enumerate(ties):
-        for g in (TIE_GUARD + 6 * i, TIE_GUARD + 6 * i + 3):
-            guards.append(par[g] + par[g + 1] * x + par[g + 2] * v)
+    guards = [spring(SPRING_GUARD + 4 * e + n, d) for e, d in enumerate(springs) for n in (0, 2)]
+    guards += [tie(TIE_GUARD + 6 * i + n, x, v) for i, (x, v) in enumerate(ties) for n in (0, 3)]
     falling = hy.event_direction.negative
     return hy.taylor_adaptive_batch(
         system,
-        np.zeros((14, lanes)),
+        np.zeros((STATES, LANES)),
         tol=tolerance,
-        pars=np.zeros((PARAMETERS, lanes)),
-        t_events=[hy.t_event_batch(g, direction=falling, cooldown=0.0) for g in guards],
+        pars=np.zeros((PARAMETERS, LANES)),
+        t_events=[hy.t_event_batch(guard, direction=falling, cooldown=0.0) for guard in guards],
         high_accuracy=False,
         compact_mode=False,
     )
 
 
-@numba.njit(cache=True)
-def _settle(p, own, y, par, l):
-    """Set the modes of lane l, and its laws and guards, from the state; all that are due, not only what was reported."""
-    far, near = LONG_ARM * y[TAN, l], SHORT_ARM * y[TAN, l]
-    gap1, gap2 = y[X1, l] - y[XB, l], y[X2, l] + y[XB, l]
-    knee = p[KNEE]
-    for e, d in enumerate((gap1 - far, gap1 + near, gap2 - far, gap2 + near)):
-        old = own[MODE + e, l]
-        new = old
-        if old == FIRST:
-            if d < -DUE:
-                new = OFF
-            elif d > knee + DUE:
-                new = SECOND
-        elif old == OFF:
-            if d > DUE:
-                new = FIRST
-        elif d < knee - DUE:
-            new = FIRST
-        if new != old:
-            own[MODE + e, l] = new
-            _set_spring(p, new, par, e, l)
+@_jit
+def _start(params: Floats, counts: Ints, modes: Ints, own: Floats, state: Floats, par: Floats, j: int) -> None:
+    """Put the next crash in lane j; when there is none, the first again, whose result is left."""
+    more = counts[NEXT] < len(params)
+    crash = counts[NEXT] if more else 0
+    counts[CRASH + j] = crash if more else -1
+    counts[NEXT] += 1 if more else 0
+    p = params[crash]
+    state[:, j] = 0.0
+    state[V1, j] = state[V2, j] = p[SPEED]
+    par[0, j], par[1, j] = 1.0 / p[M1], 1.0 / p[M2]
+    for e in range(SPRINGS):  # all touch, and close at the first instant
+        modes[e, j] = FIRST
+        _set_spring(p, FIRST, par, e, j)
     for i in range(TIES):
-        x, v = y[XA + 2 * i, l] - SLACK, y[VA + 2 * i, l]
-        k, c = p[KA + 2 * i], p[CA + 2 * i]
-        pull, due = k * x + c * v, DUE * (k + c)
-        old = own[MODE + SPRINGS + i, l]
-        new = old
-        if old == OPEN:
-            if x > DUE:
-                new = TAUT if pull > 0.0 else CLIPPED
-        elif old == TAUT:
-            if pull < -due:
-                new = CLIPPED if x > 0.0 else OPEN
-        elif x < -DUE:
-            new = OPEN
-        elif pull > due:
-            new = TAUT
-        if new != old:
-            own[MODE + SPRINGS + i, l] = new
-            _set_tie(k, c, new, par, i, l)
+        modes[SPRINGS + i, j] = OPEN
+        _set_tie(0.0, 0.0, OPEN, par, i, j)
+    own[TIME * LANES + j] = 0.0
+    for which in range(6):
+        own[(PEAK + which) * LANES + j] = 0.0
 
 
-@numba.njit(cache=True)
-def _set_spring(p, mode, par, e, l):
-    law, guard = SPRING_LAW + 2 * e, SPRING_GUARD + 4 * e
-    k1, k2, knee = p[K1], p[K2], p[KNEE]
-    par[guard, l], par[guard + 1, l], par[guard + 2, l], par[guard + 3, l] = 1.0, 0.0, 1.0, 0.0
+@_jit
+def _set_spring(p: Floats, mode: int, par: Floats, e: int, j: int) -> None:
+    """The force and the guards of spring e in lane j."""
+    law, guard = SPRING + 2 * e, SPRING_GUARD + 4 * e
+    par[guard + 2, j], par[guard + 3, j] = 1.0, 0.0
     if mode == OFF:
-        par[law, l], par[law + 1, l] = 0.0, 0.0
-        par[guard, l], par[guard + 1, l] = GRACE, -1.0
+        par[law, j], par[law + 1, j] = 0.0, 0.0
+        par[guard, j], par[guard + 1, j] = GRACE, -1.0
     elif mode == FIRST:
-        par[law, l], par[law + 1, l] = 0.0, k1
-        par[guard, l], par[guard + 1, l] = GRACE, 1.0
-        par[guard + 2, l], par[guard + 3, l] = knee + GRACE, -1.0
+        par[law, j], par[law + 1, j] = 0.0, p[K1]
+        par[guard, j], par[guard + 1, j] = GRACE, 1.0
+        par[guard + 2, j], par[guard + 3, j] = p[KNEE] + GRACE, -1.0
     else:
-        par[law, l], par[law + 1, l] = (k1 - k2) * knee, k2
-        par[guard, l], par[guard + 1, l] = GRACE - knee, 1.0
+        par[law, j], par[law + 1, j] = (p[K1] - p[K2]) * p[KNEE], p[K2]
+        par[guard, j], par[guard + 1, j] = GRACE - p[KNEE], 1.0
 
 
-@numba.njit(cache=True)
-def _set_tie(k, c, mode, par, i, l):
-    law, guard = TIE_LAW + 3 * i, TIE_GUARD + 6 * i
-    par[law : law + 3, l] = 0.0
-    par[guard : guard + 6, l] = 0.0
-    par[guard, l], par[guard + 3, l] = 1.0, 1.0
+@_jit
+def _set_tie(k: float, c: float, mode: int, par: Floats, i: int, j: int) -> None:
+    """The pull and the guards of tie i in lane j."""
+    law, guard = TIE + 3 * i, TIE_GUARD + 6 * i
+    par[law : law + 3, j] = 0.0
+    par[guard : guard + 6, j] = 0.0
+    par[guard + 3, j] = 1.0
     if mode == OPEN:
-        par[guard, l], par[guard + 1, l] = GRACE + SLACK, -1.0
+        par[guard, j], par[guard + 1, j] = GRACE + SLACK, -1.0
     elif mode == TAUT:
-        par[law, l], par[law + 1, l], par[law + 2, l] = -k * SLACK, k, c
-        par[guard, l], par[guard + 1, l], par[guard + 2, l] = GRACE * (k + c) - k * SLACK, k, c
+        par[law, j], par[law + 1, j], par[law + 2, j] = -k * SLACK, k, c
+        par[guard, j], par[guard + 1, j], par[guard + 2, j] = GRACE * (k + c) - k * SLACK, k, c
     else:
-        par[guard, l], par[guard + 1, l] = GRACE - SLACK, 1.0
-        par[guard + 3, l], par[guard + 4, l], par[guard + 5, l] = GRACE * (k + c) + k * SLACK, -k, -c
+        par[guard, j], par[guard + 1, j] = GRACE - SLACK, 1.0
+        par[guard + 3, j], par[guard + 4, j], par[guard + 5, j] = GRACE * (k + c) + k * SLACK, -k, -c
 
 
-@numba.njit(cache=True)
-def _maximum(c, order, best):
-    """The greatest of `best` and sum c[k] u^k over 0 <= u <= 1."""
-    above, end, slope, wobble = c[0], c[0], c[1], 0.0
-    for k in range(1, order + 1):
-        above += abs(c[k])
-        end += c[k]
-        if k > 1:
-            wobble += k * abs(c[k])
-    best = max(best, c[0], end)
-    if above <= best or slope - wobble > 0.0 or slope + wobble < 0.0:
-        return best
-    left, at_left = 0.0, slope
+@_jit
+def _settle(p: Floats, modes: Ints, y: Floats, par: Floats, j: int) -> None:
+    """Set every mode of lane j that is due, with its force and guards."""
+    far, near = LONG_ARM * y[TAN, j], SHORT_ARM * y[TAN, j]
+    gap1, gap2 = y[X1, j] - y[XB, j], y[X2, j] + y[XB, j]
+    for e, d in enumerate((gap1 - far, gap1 + near, gap2 - far, gap2 + near)):
+        old = modes[e, j]
+        new = _spring_mode(old, d, p[KNEE])
+        if new != old:
+            modes[e, j] = new
+            _set_spring(p, new, par, e, j)
+    for i in range(TIES):
+        x, v = y[XA + 2 * i, j] - SLACK, y[VA + 2 * i, j]
+        k, c = p[KA + 2 * i], p[CA + 2 * i]
+        old = modes[SPRINGS + i, j]
+        new = _tie_mode(old, x, k * x + c * v, DUE * (k + c))
+        if new != old:
+            modes[SPRINGS + i, j] = new
+            _set_tie(k, c, new, par, i, j)
+
+
+@_jit
+def _spring_mode(old: int, d: float, knee: float) -> int:
+    new = old
+    if old == OFF:
+        new = FIRST if d > DUE else OFF
+    elif old == SECOND:
+        new = FIRST if d < knee - DUE else SECOND
+    elif d < -DUE:
+        new = OFF
+    elif d > knee + DUE:
+        new = SECOND
+    return new
+
+
+@_jit
+def _tie_mode(old: int, x: float, pull: float, due: float) -> int:
+    """x: how far beyond the slack."""
+    new = old
+    if old == OPEN:
+        if x > DUE:
+            new = TAUT if pull > 0.0 else CLIPPED
+    elif old == TAUT:
+        if pull < -due:
+            new = CLIPPED if x > 0.0 else OPEN
+    elif x < -DUE:
+        new = OPEN
+    elif pull > due:
+        new = TAUT
+    return new
+
+
+@_jit
+def _between(
+    params: Floats,
+    outputs: Floats,
+    counts: Ints,
+    modes: Ints,
+    own: Floats,
+    series: Floats,
+    state: Floats,
+    par: Floats,
+    coefficients: Floats,
+    length: Floats,
+) -> bool:
+    """After a step: take in its peaks, pass lanes on, settle their modes. True while there is work."""
+    _prepare(own, par, length)
+    _series(own, series, coefficients)
+    _raise_peaks(own, series)
+    for j in range(LANES):
+        own[TIME * LANES + j] += length[j]
+        time, crash = own[TIME * LANES + j], counts[CRASH + j]
+        if time < END:
+            _settle(params[max(crash, 0)], modes, state, par, j)
+            continue
+        if crash >= 0:
+            counts[DONE] += 1
+            for which in range(6):
+                outputs[crash, which] = own[(PEAK + which) * LANES + j] if time >= END else np.nan
+        _start(params, counts, modes, own, state, par, j)
+    return bool(counts[DONE] < len(params))
+
+
+@_jit
+def _prepare(own: Floats, par: Floats, length: Floats) -> None:
+    """How much of each lane's step counts; adult, child and vehicle 1's deceleration as sums of states."""
+    for j in range(LANES):
+        left = END - own[TIME * LANES + j]
+        own[PART * LANES + j] = min(left, length[j])
+        own[POWER * LANES + j] = 1.0
+        for i in range(3):
+            own[(SUMS + i) * LANES + j] = par[TIE + i, j] * (1.0 / ADULT)
+            own[(SUMS + 3 + i) * LANES + j] = par[TIE + 3 + i, j] * (1.0 / CHILD)
+        inverse_mass, k11, k12 = par[0, j], par[SPRING + 1, j], par[SPRING + 3, j]
+        own[(SUMS + 6) * LANES + j] = inverse_mass * (par[SPRING, j] + par[SPRING + 2, j])
+        own[(SUMS + 7) * LANES + j] = inverse_mass * (k11 + k12)
+        own[(SUMS + 8) * LANES + j] = inverse_mass * (SHORT_ARM * k12 - LONG_ARM * k11)
+    for i in range(ABOVE * LANES, (ABOVE + 18) * LANES):
+        own[i] = 0.0
+
+
+@_jit
+def _series(own: Floats, series: Floats, coefficients: Floats) -> None:
+    """The outcomes' series over the part that counts, scaled to [0, 1], and their bounds.
+
+    Lanes run side by side: one flat array and constant offsets, so that the loop becomes vector instructions.
+    """
+    for k in range(coefficients.shape[1]):
+        first, slope, out = 1.0 * (k == 0), 1.0 * k * (k > 1), series[k]
+        for row, name in enumerate((X1, XB, TAN, XA, VA, XC, VC)):
+            source, target = coefficients[name, k], own[(READ + row) * LANES : (READ + row + 1) * LANES]
+            for j in range(LANES):
+                target[j] = source[j]
+        for j in range(LANES):
+            power = own[POWER * LANES + j]
+            x1, tan = own[READ * LANES + j], own[(READ + 2) * LANES + j]
+            gap = x1 - own[(READ + 1) * LANES + j]
+            xa, va = own[(READ + 3) * LANES + j], own[(READ + 4) * LANES + j]
+            xc, vc = own[(READ + 5) * LANES + j], own[(READ + 6) * LANES + j]
+            adult = first * own[SUMS * LANES + j] + own[(SUMS + 1) * LANES + j] * xa + own[(SUMS + 2) * LANES + j] * va
+            child = own[(SUMS + 4) * LANES + j] * xc + own[(SUMS + 5) * LANES + j] * vc
+            child += first * own[(SUMS + 3) * LANES + j]
+            brake = own[(SUMS + 7) * LANES + j] * gap + own[(SUMS + 8) * LANES + j] * tan
+            brake += first * own[(SUMS + 6) * LANES + j]
+            _note(own, out, 0, j, slope, power * adult)
+            _note(own, out, 1, j, slope, power * xa)
+            _note(own, out, 2, j, slope, power * child)
+            _note(own, out, 3, j, slope, power * xc)
+            _note(own, out, 4, j, slope, power * brake)
+            _note(own, out, 5, j, slope, power * x1)
+            own[POWER * LANES + j] = power * own[PART * LANES + j]
+
+
+@_jit
+def _note(own: Floats, out: Floats, which: int, j: int, slope: float, v: float) -> None:
+    """Write down a coefficient of an outcome's series, and add it to the value at the end and to the bounds."""
+    out[which * LANES + j] = v
+    own[(LAST + which) * LANES + j] += v
+    own[(ABOVE + which) * LANES + j] += abs(v)
+    own[(WOBBLE + which) * LANES + j] += slope * abs(v)
+
+
+@_jit
+def _raise_peaks(own: Floats, series: Floats) -> None:
+    """Take in both ends of every series; look inside only where it can rise above them and the peak so far."""
+    for i in range(6 * LANES):
+        start, end, best = series[0, i], own[LAST * LANES + i], own[PEAK * LANES + i]
+        best = max(best, start, end)
+        own[PEAK * LANES + i] = best
+        own[ABOVE * LANES + i] += start - abs(start) - best
+        own[WOBBLE * LANES + i] -= abs(series[1, i])
+    for i in range(6 * LANES):
+        if own[ABOVE * LANES + i] > 0.0 and own[WOBBLE * LANES + i] > 0.0:
+            own[PEAK * LANES + i] = _maximum(series[:, i], own[PEAK * LANES + i])
+
+
+@_jit
+def _maximum(c: Floats, best: float) -> float:
+    """The greater of `best` and the maxima of sum c[k] u^k inside 0 <= u <= 1.
+
+    The step is short against every period, so that an eighth of it holds no more than one turn.
+    """
+    left, at_left = 0.0, c[1]
     for part in range(1, 9):
         right = 0.125 * part
-        at_right = _slope_at(c, order, right)
+        at_right = _slope(c, right)
         if at_left > 0.0 >= at_right:
-            best = max(best, _top(c, order, left, right, at_left, at_right))
+            best = max(best, _value(c, _turn(c, left, right, at_left, at_right)))
         left, at_left = right, at_right
     return best
 
 
-@numba.njit(cache=True)
-def _slope_at(c, order, u):
-    s = order * c[order]
-    for k in range(order - 1, 0, -1):
-        s = s * u + k * c[k]
-    return s
-
-
-@numba.njit(cache=True)
-def _top(c, order, a, b, at_a, at_b):
-    """The value where the slope passes zero between a and b: the secant rule with Illinois' correction."""
-    kept = 0
-    u = b
+@_jit
+def _turn(c: Floats, a: float, b: float, at_a: float, at_b: float) -> float:
+    """Where the slope passes zero between a and b, by Illinois' rule; a peak is flat, so 1e-9 beside it will do."""
+    enough = 1e-9 * (abs(at_a) + abs(at_b))
+    kept, u = 0, b
     for _ in range(60):
         u = (a * at_b - b * at_a) / (at_b - at_a)
-        s = _slope_at(c, order, u)
-        if s == 0.0 or b - a < 1e-9 or abs(s) < 1e-9 * (abs(at_a) + abs(at_b)):
+        here = _slope(c, u)
+        if abs(here) <= enough or b - a < 1e-9:
             break
-        if s > 0.0:
-            a, at_a = u, s
+        if here > 0.0:
+            a, at_a = u, here
             at_b *= 0.5 if kept == 1 else 1.0
             kept = 1
         else:
-            b, at_b = u, s
+            b, at_b = u, here
             at_a *= 0.5 if kept == -1 else 1.0
             kept = -1
-    value = c[order]
-    for k in range(order - 1, -1, -1):
-        value = value * u + c[k]
-    return value
+    return u
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _start(params, outputs, count, own, y, par, l):
-    """Put the next crash, if there is one, in lane l; else an idle copy of the first."""
-    more = count[0] < len(params)
-    i = count[0] if more else 0
-    count[CRASH + l] = i if more else -1
-    p = params[i]
-    y[:, l] = 0.0
-    y[V1, l] = y[V2, l] = p[SPEED]
-    par[0, l], par[1, l] = 1.0 / p[M1], 1.0 / p[M2]
-    for e in range(SPRINGS):
-        own[MODE + e, l] = FIRST
-        _set_spring(p, FIRST, par, e, l)
-    for i in range(TIES):
-        own[MODE + SPRINGS + i, l] = OPEN
-        _set_tie(0.0, 0.0, OPEN, par, i, l)
-    own[TIME, l] = 0.0
-    own[BEST : BEST + 6, l] = 0.0
-    if more:
-        count[0] += 1
+@_jit
+def _value(c: Floats, u: float) -> float:
+    total = 0.0
+    for k in range(len(c) - 1, -1, -1):
+        total = total * u + c[k]
+    return total
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _take(own, row, which, l, slope, v):
-    """Note a coefficient of an outcome's series, and add it to its bounds."""
-    own[row + which, l] = v
-    own[SUM + which, l] += v
-    own[ABOVE + which, l] += abs(v)
-    own[WOBBLE + which, l] += slope * abs(v)
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _between(params, outputs, count, own, c, y, par, tc, h):
-    """After a step: take in its peaks, hand lanes on, settle their modes. True while there is work."""
-    order = tc.shape[1] - 1
-    for l in range(LANES):
-        own[PART, l] = min(h[l], END - own[TIME, l])
-        own[SCALE, l] = 1.0
-        own[BEND, l] = par[SPRING_LAW + 3, l] * SHORT_ARM - par[SPRING_LAW + 1, l] * LONG_ARM
-        for row in range(18):
-            own[ABOVE + row, l] = 0.0
-    for k in range(order + 1):
-        first, slope, row = 1.0 * (k == 0), 1.0 * k * (k > 1), SERIES + 6 * k
-        for l in range(LANES):
-            s = own[SCALE, l]
-            adult = first * par[TIE_LAW, l] + par[TIE_LAW + 1, l] * tc[XA, k, l] + par[TIE_LAW + 2, l] * tc[VA, k, l]
-            child = first * par[TIE_LAW + 3, l] + par[TIE_LAW + 4, l] * tc[XC, k, l] + par[TIE_LAW + 5, l] * tc[VC, k, l]
-            push = first * (par[SPRING_LAW, l] + par[SPRING_LAW + 2, l])
-            push += (par[SPRING_LAW + 1, l] + par[SPRING_LAW + 3, l]) * (tc[X1, k, l] - tc[XB, k, l])
-            push += own[BEND, l] * tc[TAN, k, l]
-            _take(own, row, 0, l, slope, s / ADULT * adult)
-            _take(own, row, 1, l, slope, s * tc[XA, k, l])
-            _take(own, row, 2, l, slope, s / CHILD * child)
-            _take(own, row, 3, l, slope, s * tc[XC, k, l])
-            _take(own, row, 4, l, slope, s * par[0, l] * push)
-            _take(own, row, 5, l, slope, s * tc[X1, k, l])
-            own[SCALE, l] = s * own[PART, l]
-    for which in range(6):
-        for l in range(LANES):
-            start, end, best = own[SERIES + which, l], own[SUM + which, l], own[BEST + which, l]
-            best = max(best, max(start, end))
-            own[BEST + which, l] = best
-            own[ABOVE + which, l] += start - abs(start) - best
-            own[WOBBLE + which, l] -= abs(own[SERIES + 6 + which, l])
-        for l in range(LANES):
-            if own[ABOVE + which, l] > 0.0 and own[WOBBLE + which, l] > 0.0:
-                for k in range(order + 1):
-                    c[k] = own[SERIES + 6 * k + which, l]
-                own[BEST + which, l] = _maximum(c, order, own[BEST + which, l])
-    for l in range(LANES):
-        own[TIME, l] += h[l]
-        far, near = LONG_ARM * y[TAN, l], SHORT_ARM * y[TAN, l]
-        gap1, gap2 = y[X1, l] - y[XB, l], y[X2, l] + y[XB, l]
-        least = 1.0
-        for e, d in enumerate((gap1 - far, gap1 + near, gap2 - far, gap2 + near)):
-            g = SPRING_GUARD + 4 * e
-            least = min(least, par[g, l] + par[g + 1, l] * d, par[g + 2, l] + par[g + 3, l] * d)
-        for i in range(TIES):
-            x, v, g = y[XA + 2 * i, l], y[VA + 2 * i, l], TIE_GUARD + 6 * i
-            least = min(least, par[g, l] + par[g + 1, l] * x + par[g + 2, l] * v)
-            least = min(least, par[g + 3, l] + par[g + 4, l] * x + par[g + 5, l] * v)
-        own[LEAST, l] = least
-    for l in range(LANES):
-        crash = count[CRASH + l]
-        if not own[TIME, l] < END:
-            if crash >= 0:
-                outputs[crash] = own[BEST : BEST + 6, l]
-                if not own[TIME, l] >= END:
-                    outputs[crash] = np.nan
-                count[1] += 1
-            _start(params, outputs, count, own, y, par, l)
-        elif own[LEAST, l] < 1e-6:
-            _settle(params[max(crash, 0)], own, y, par, l)
-    return count[1] < len(params)
-
-
-class Heyoka:
-    """P1 on one thread."""
-
-    def __init__(self, lanes: int = LANES, tolerance: float = TOLERANCE) -> None:
-        self.integrator = _integrator(lanes, tolerance)
-        self.lanes = lanes
-
-    def solve(self, params: Floats) -> Floats:
-        """Outcomes (N, 6) of parameter sets (N, 12)."""
-        ta = self.integrator
-        outputs = np.zeros((len(params), 6))
-        count = np.zeros(CRASH + LANES, dtype=np.int64)
-        own, c = np.zeros((ROWS, LANES)), np.zeros(40)
-        y, par, tc, h = ta.state, ta.pars, ta.tc, ta.last_h
-        for l in range(self.lanes):
-            _start(params, outputs, count, own, y, par, l)
-        self.steps = 0
-        step = ta.step
-        work = True
-        while work:
-            step(write_tc=True)
-            self.steps += 1
-            work = _between(params, outputs, count, own, c, y, par, tc, h)
-        return outputs
+@_jit
+def _slope(c: Floats, u: float) -> float:
+    total = 0.0
+    for k in range(len(c) - 1, 0, -1):
+        total = total * u + k * c[k]
+    return total

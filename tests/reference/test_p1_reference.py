@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import p1_reference
 import pytest
+
+from benchmarks import p1_reference
 
 VECTORS = Path(__file__).resolve().parents[3] / "shared" / "vectors" / "p1.npz"
 

@@ -90,9 +90,7 @@ def run(
         if as_json:
             show.as_json(response.summary())
         else:
-            from ridedown.report.run import result_tables
-
-            show.run_summary(response, result_tables(response))
+            show.run_summary(response)
             _say_written(out)
         if not response.completed:
             typer.echo(f"ridedown: stopped at {1e3 * response.end_time:.3f} ms: {response.status.sentence}.", err=True)

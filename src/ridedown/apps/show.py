@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,10 +15,15 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from ridedown import catalogue
+from ridedown.report import summary
+from ridedown.report.jsontext import json_text
 from ridedown.report.tables import Column, Table
+from ridedown.response import Response
 
+_EVENTS_SHOWN = 40
 _PIPE_WIDTH = 120
 """Columns where the output is no terminal and so has no width of its own."""
+_UNBOUND = 10_000
 
 
 def console(*, stderr: bool = False) -> Console:
@@ -54,13 +58,31 @@ def catalogue_list() -> None:
 
 
 def as_json(value: Any) -> None:
-    """Print as JSON; what is not a number (a time that never comes) is null."""
-    typer.echo(json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False))
+    """Print as JSON."""
+    typer.echo(json_text(value))
+
+
+def run_summary(response: Response) -> None:
+    """Print what a run comes to."""
+    scenario = response.scenario
+    note(f"{scenario.name or 'A crash'}. {scenario.description}".strip())
+    for text in summary.notes(response):
+        note(text)
+    console().print()
+    events, sources = summary.events(response), summary.sources(response)
+    shown = events.rows[:_EVENTS_SHOWN]
+    if len(shown) < len(events.rows):
+        events = Table(f"The first {len(shown)} of {len(events.rows)} events", events.columns, shown)
+    tables(
+        *summary.result_tables(response),
+        events,
+        Table(sources.caption, sources.columns[:2], tuple(r[:2] for r in sources.rows)),
+    )
 
 
 def note(text: str) -> None:
     """Print a line below the tables."""
-    console().print(Text(text))
+    console().print(Text(text), soft_wrap=not sys.stdout.isatty())
 
 
 def tables(*shown: Table) -> None:
@@ -68,7 +90,11 @@ def tables(*shown: Table) -> None:
     out = console()
     for table in shown:
         if table.rows:
-            out.print(_rich(table))
+            upright = _rich(table)
+            # results by body are wide and few: better on their side than squeezed
+            natural = out.measure(upright, options=out.options.update(max_width=_UNBOUND)).maximum
+            turn = natural > out.width and len(table.rows) < len(table.columns)
+            out.print(_rich(table.turned()) if turn else upright)
             out.print()
 
 
@@ -82,13 +108,3 @@ def _rich(table: Table) -> RichTable:
     for row in table.rows:
         made.add_row(*(Text(cell) for cell in row))
     return made
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not abs(value) < float("inf"):
-        return None
-    return value

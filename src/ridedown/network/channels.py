@@ -21,7 +21,7 @@ class Family(IntEnum):
 
     POSITION = 0
     RATE = 1
-    ACCELERATION = 2
+    ACCELERATION = 2  # absolute, of a body
     DEFLECTION = 3
     DEFLECTION_RATE = 4
     FORCE = 5
@@ -69,7 +69,9 @@ def channels(network: Network) -> dict[str, Channel]:
             links += [(_RELATIVE, chain[:1]), (_EXCURSION, chain[:-1])]
         for quantities, coordinates in links:
             for quantity, (family, unit) in quantities.items():
-                found.append(Channel(f"{body}.{quantity}", unit, tuple((family, link, 1.0) for link in coordinates)))
+                # an acceleration is absolute already; displacements and velocities add up along the chain
+                added = [i] if family == Family.ACCELERATION else coordinates
+                found.append(Channel(f"{body}.{quantity}", unit, tuple((family, link, 1.0) for link in added)))
     for e, element in enumerate(network.elements):
         for quantity, (family, unit) in _ELEMENT.items():
             found.append(Channel(f"{element}.{quantity}", unit, ((family, e, 1.0),)))

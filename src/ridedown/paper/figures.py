@@ -34,6 +34,7 @@ class Figure:
 
 
 _MOVED = "adult.relative_displacement"
+_IN_SEAT = "child.relative_displacement"
 _ADULT = (cases.ADULT_FULL, cases.ADULT_OFFSET)
 _CHILD = (cases.CHILD_FULL, cases.CHILD_OFFSET)
 _STIFFEST_FIRST = cases.STIFFNESS[::-1]
@@ -50,7 +51,7 @@ FIGURES = (
     Figure(14, "Adult, relative displacement, three stiffnesses", _MOVED, _DISPLACEMENT, _STIFFEST_FIRST),
     Figure(15, "Adult, velocity, three stiffnesses", "adult.velocity", _VELOCITY, _STIFFEST_FIRST),
     Figure(16, "Adult, acceleration, three stiffnesses", "adult.acceleration", _ACCELERATION, _STIFFEST_FIRST),
-    Figure(17, "Child, displacement in its seat, full, offset", "child.relative_displacement", _DISPLACEMENT, _CHILD),
+    Figure(17, "Child, displacement in its seat, full and offset", _IN_SEAT, _DISPLACEMENT, _CHILD),
     Figure(18, "Child, velocity, full and offset", "child.velocity", _VELOCITY, _CHILD),
     Figure(19, "Child, acceleration, full and offset", "child.acceleration", _ACCELERATION, _CHILD),
 )

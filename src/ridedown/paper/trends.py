@@ -61,7 +61,7 @@ def _forcing(responses: Responses) -> list[Trend]:
         (6, "adult.forcing", cases.ADULT_FULL, cases.ADULT_OFFSET),
         (7, "child.seat.forcing", cases.CHILD_FULL, cases.CHILD_OFFSET),
     ):
-        name = "f(t)" if figure == 6 else "f_2(t)"
+        name = "f(t)" if figure == 6 else "f₂(t)"
         times = [1e3 * responses[case.scenario].peak(channel).time for case in (full, offset)]
         found.append(
             Trend(

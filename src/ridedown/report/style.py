@@ -6,6 +6,7 @@ import base64
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import matplotlib as mpl
@@ -16,10 +17,12 @@ from matplotlib.figure import Figure
 # Okabe and Ito, "Color Universal Design" (2008): told apart with any common colour blindness. Their yellow is left out:
 # it is too pale for a line on white.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)))
-"""Line styles that go with the colours, so that a print in black and white can be read as well."""
+DASHES: tuple[Any, ...] = ("-", (0, (5, 3)), (0, (1.5, 1.5)), (0, (6, 2.5, 1.2, 2.5)))
+"""Line styles that go with the colours: readable in black and white, and of two lines that coincide both show."""
 
 WIDTH, HEIGHT = 7.2, 3.9  # inches
+_AXES = (0.105, 0.125, 0.868, 0.765)  # left, bottom, width, height, in parts of the figure
+_LEGEND_INSIDE = 5  # a legend of more lines would cover them: it goes beside the axes
 INK, GRID, FAINT = "#222222", "#e3e3e3", "#8a8a8a"
 
 _STYLE: Any = {
@@ -46,14 +49,14 @@ _STYLE: Any = {
     "ytick.color": INK,
     "text.color": INK,
     "savefig.facecolor": "white",
-    "figure.constrained_layout.h_pad": 0.08,
     # text stays text: small files that can be searched; the same run gives the same bytes
     "svg.fonttype": "none",
+    "text.parse_math": False,
     "svg.hashsalt": "ridedown",
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Plot:
     """A finished figure: the file's stem, its title, what it shows in words, and the drawing."""
 
@@ -62,6 +65,7 @@ class Plot:
     description: str
     figure: Figure
 
+    @cached_property
     def svg(self) -> bytes:
         """The drawing as SVG."""
         return self._save("svg", metadata={"Date": None, "Creator": "ridedown", "Title": self.title})
@@ -72,7 +76,7 @@ class Plot:
 
     def data_uri(self) -> str:
         """The drawing for the `src` of an HTML image, so that a page needs no other file."""
-        return "data:image/svg+xml;base64," + base64.b64encode(self.svg()).decode("ascii")
+        return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")
 
     def _save(self, kind: str, **options: Any) -> bytes:
         buffer = io.BytesIO()
@@ -84,12 +88,14 @@ class Plot:
 def new_axes(title: str, *, xlabel: str, ylabel: str) -> Axes:
     """Empty axes on a figure of their own, in the house style; never through pyplot, which keeps figures alive."""
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
+        figure = Figure(figsize=(WIDTH, HEIGHT))
         FigureCanvasAgg(figure)
-        axes = figure.add_subplot()
+        # fixed places: a layout engine would take most of the time that a figure costs
+        axes = figure.add_axes(_AXES)
         axes.set_title(title)
         axes.set_xlabel(xlabel)
         axes.set_ylabel(ylabel)
+        axes.yaxis.set_label_coords(-0.088, 0.5)
     return axes
 
 
@@ -106,29 +112,40 @@ def mark_point(axes: Axes, x: float, y: float, *, index: int) -> None:
     axes.plot([x], [y], "o", color=PALETTE[index % len(PALETTE)], markersize=5.0, zorder=3)
 
 
-def mark_times(axes: Axes, times_ms: Sequence[float], labels: Sequence[str]) -> None:
-    """Mark moments with thin lines, each with its label above the axes; labels that would touch share one place."""
+def mark_times(axes: Axes, times_ms: Sequence[float]) -> None:
+    """Mark moments, in order, with thin lines, numbered from 1 above the axes; where they crowd, `3-5` in one place."""
+    if not times_ms:
+        return
+    upright = axes.get_xaxis_transform()  # x in data, y in parts of the axes' height
+    axes.vlines(times_ms, 0.0, 1.0, transform=upright, colors=FAINT, linewidths=0.5, linestyles=(0, (1, 2)), zorder=1)
     low, high = axes.get_xlim()
-    groups: list[tuple[float, list[str]]] = []
-    for time, label in sorted(zip(times_ms, labels, strict=True)):
-        axes.axvline(time, color=FAINT, linewidth=0.6, linestyle=(0, (1, 2)), zorder=1)
-        if groups and time - groups[-1][0] < 0.028 * (high - low):
-            groups[-1][1].append(label)
-        else:
-            groups.append((time, [label]))
-    for time, shared in groups:
-        text = shared[0] if len(shared) == 1 else f"{shared[0]}–{shared[-1]}"
+    widest = 2 * len(str(len(times_ms))) + 1  # characters in a label such as 13-24
+    for first, last in _groups(times_ms, 0.011 * widest * (high - low)):
+        text = f"{first + 1}" if first == last else f"{first + 1}–{last + 1}"
         axes.annotate(
-            text, (time, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points",
+            text, (times_ms[first], 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points",
             ha="center", va="bottom", fontsize=7.5, color=FAINT,
         )  # fmt: skip
 
 
-def finish(axes: Axes, *, legend: bool = True) -> Figure:
+def _groups(times: Sequence[float], apart: float) -> list[tuple[int, int]]:
+    """First and last index of each run of times in which all are within `apart` of the first."""
+    starts = [0]
+    for i, time in enumerate(times):
+        if time - times[starts[-1]] > apart:
+            starts.append(i)
+    return list(zip(starts, [*(start - 1 for start in starts[1:]), len(times) - 1], strict=True))
+
+
+def finish(axes: Axes) -> Figure:
     """Put the zero line and the legend in; returns the figure."""
     axes.axhline(0.0, color=INK, linewidth=0.7, zorder=1)
     handles, _ = axes.get_legend_handles_labels()
-    if legend and len(handles) > 1:
+    if len(handles) > _LEGEND_INSIDE:
+        left, bottom, width, height = _AXES
+        axes.set_position((left, bottom, 0.72 * width, height))
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=_STYLE["legend.fontsize"], frameon=False)
+    elif len(handles) > 1:
         axes.legend(loc="best", fontsize=_STYLE["legend.fontsize"], frameon=True, framealpha=0.85, edgecolor="none")
     figure = axes.get_figure()
     assert isinstance(figure, Figure)

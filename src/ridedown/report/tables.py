@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -22,19 +23,43 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
 
+    @property
+    def has_units(self) -> bool:
+        """Whether any column has a unit, and so a line of units stands below the titles."""
+        return any(column.unit for column in self.columns)
 
-MINUS, NONE = "\u2212", "\u2013"  # a true minus sign; an en dash for "not there"
+    def turned(self) -> Table:
+        """The table on its side: a column for each row, a row for each column.
+
+        >>> Table("", (Column("Car"), Column("Mass", "kg")), (("one", "900"), ("two", "1500"))).turned().rows
+        (('Mass, kg', '900', '1500'),)
+        """
+        first, *others = self.columns
+        columns = (Column(first.title, numeric=False), *(Column(row[0]) for row in self.rows))
+        rows = (
+            (f"{column.title}, {column.unit}".removesuffix(", "), *(row[c] for row in self.rows))
+            for c, column in enumerate(others, 1)
+        )
+        return Table(self.caption, columns, tuple(rows))
+
+    def without_empty_columns(self) -> Table:
+        """The table without the columns in which no row has anything to say."""
+        kept = [c for c in range(len(self.columns)) if any(row[c] != NONE for row in self.rows)]
+        rows = tuple(tuple(row[c] for c in kept) for row in self.rows)
+        return Table(self.caption, tuple(self.columns[c] for c in kept), rows)
 
 
-def number(value: float | None, digits: int = 3, *, scale: float = 1.0) -> str:
-    """A number with `digits` decimals after multiplying by `scale`; a dash where there is none.
+NONE = "\u2013"
+"""An en dash: there is no such number."""
 
-    >>> number(0.26813, 1, scale=1e3), number(None)
-    ('268.1', '–')
+
+def number(value: float | None, digits: int = 1, *, scale: float = 1.0) -> str:
+    """A number with `digits` decimals after multiplying by `scale`, with a true minus sign; a dash where there is none.
+
+    >>> number(0.26813, 1, scale=1e3), number(-0.001), number(None)
+    ('268.1', '0.0', '–')
     """
-    if value is None or value != value:  # noqa: PLR0124  nan
+    if value is None or not math.isfinite(value):
         return NONE
     text = f"{scale * value:.{digits}f}"
-    if float(text) == 0.0:
-        text = text.lstrip("-")
-    return text.replace("-", MINUS)
+    return text.lstrip("-") if float(text) == 0.0 else text.replace("-", "\u2212")

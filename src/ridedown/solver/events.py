@@ -1,15 +1,18 @@
 """The first event of a step: which guard turns negative, and when.
 
 Each guard is a polynomial on the step, g(t) = a (d - d0) + b (d' - v0). A cheap bound clears most: with every coefficient that
-pulls down taken in full, the guard still stays positive. The rest are read closely, by Bernstein coefficients.
+pulls down taken in full, the guard still stays positive. The rest are read closely. Most of those fall throughout the step and
+end below zero: they have one root, and Newton's method finds all of them at once, side by side. What is left goes to
+Bernstein coefficients.
 """
 
 from __future__ import annotations
 
+import numpy as np
+
 from ridedown.solver import polynomial
 from ridedown.solver.cache import kernel
-from ridedown.solver.laws import GD0, GV0, A, B
-from ridedown.solver.workspace import DEGREE, LANES
+from ridedown.solver.layout import DEGREE, GD0, GV0, STRIDE, A, B, at, guard_at, row
 
 GAP_ROUND_OFF = 1e-14  # m
 RATE_ROUND_OFF = 1e-13  # m/s
@@ -17,58 +20,160 @@ NO_EVENT = -1
 
 
 @kernel
-def find(guard, d, row, last, step, power, event, pending, pending_count, suspect, start, dip, poly, room):
+def find(lanes, guards, guard, d, crash, last, step, power, event, pending, pending_count, suspect, falling, owner, poly, room):
     """Sort each lane's guards: negative at the start (into `pending`), or first to turn negative in the step (into `event`).
 
-    The step of a lane with an event shrinks to it.
+    The step of a lane with an event shrinks to it. `falling` and `owner` are room for one guard a lane and more, to be solved
+    together.
     """
-    for l in range(LANES):
+    count = 0
+    for l in range(lanes):
         pending_count[l] = 0
-    for g in range(guard.shape[1]):
-        e = g // 2
-        for l in range(LANES):
-            a, b = guard[A, g, l], guard[B, g, l]
-            start[l] = a * (d[0, e, l] - guard[GD0, g, l]) + b * (d[1, e, l] - guard[GV0, g, l])
-            dip[l] = 0.0
-        for j in range(1, DEGREE):
-            order = float(j + 1)
-            for l in range(LANES):
-                c = (guard[A, g, l] * d[j, e, l] + order * guard[B, g, l] * d[j + 1, e, l]) * power[j, l]
-                dip[l] += min(c, 0.0)
-        suspects = 0
-        for l in range(LANES):
-            round_off = GAP_ROUND_OFF * abs(guard[A, g, l]) + RATE_ROUND_OFF * abs(guard[B, g, l])
-            suspect[l] = 1 - ((start[l] + dip[l] > 0.0) & (start[l] > round_off))
-            suspects += suspect[l]
-        if suspects > 0:
-            for l in range(LANES):
-                if suspect[l] == 1 and row[l] >= 0:
-                    _examine(g, l, guard, d, last, step, power, event, pending, pending_count, poly, room)
+        event[l] = NO_EVENT
+        power[row(DEGREE + 1) + l] = 1.0  # the earliest event so far, as a fraction of the step
+    for g in range(guards):
+        suspects = _suspects(lanes, g, guard, d, power, suspect)
+        if suspects == 0:
+            continue
+        for l in range(lanes):
+            if suspect[l] != 0 and crash[l] >= 0:
+                kind = _examine(g, l, guard, d, power, pending, pending_count, poly)
+                if kind == _FALLS:
+                    if count == STRIDE:
+                        _solve_together(count, falling, owner, power, event)
+                        count = 0
+                    for j in range(DEGREE + 1):
+                        falling[row(j) + np.uint64(count)] = poly[j]
+                    owner[2 * count] = l
+                    owner[2 * count + 1] = g
+                    count += 1
+                elif kind >= 0:
+                    _note(g, l, polynomial.first_root(poly, kind, DEGREE, room), power, event)
+    _solve_together(count, falling, owner, power, event)
+    for l in range(lanes):
+        first = power[row(DEGREE + 1) + l]
+        if event[l] != NO_EVENT and (first < 1.0 or not last[l]):
+            step[l] *= first
+            last[l] = False
+        else:
+            event[l] = NO_EVENT
+
+
+_CLEAR, _FALLS = -1, -2
 
 
 @kernel
-def _examine(g, l, guard, d, last, step, power, event, pending, pending_count, p, room):
-    """Read one guard closely: the sign it starts with, then its first root."""
+def _suspects(lanes, g, guard, d, power, suspect):
+    """Mark the lanes in which guard g may start or turn negative."""
     e = g // 2
-    a, b = guard[A, g, l], guard[B, g, l]
+    a0, b0, d0, v0 = guard_at(g, A), guard_at(g, B), guard_at(g, GD0), guard_at(g, GV0)
+    base = at(e, 0)
+    stride = np.uint64(STRIDE)
+    count = 0
+    for l in range(lanes):
+        a, b = guard[a0 + l], guard[b0 + l]
+        o = base + l
+        start = a * (d[o] - guard[d0 + l]) + b * (d[o + stride] - guard[v0 + l])
+        lowest = start
+        for j in range(1, DEGREE):  # unrolled: DEGREE is a constant
+            o += stride
+            c = (a * d[o] + (j + 1.0) * b * d[o + stride]) * power[row(j) + l]
+            lowest += min(c, 0.0)
+        round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
+        suspect[l] = 1 - ((lowest > 0.0) & (start > round_off))
+        count += suspect[l]
+    return count
+
+
+@kernel
+def _examine(g, l, guard, d, power, pending, pending_count, p):
+    """Read one guard closely, its polynomial into p.
+
+    Answers _CLEAR, _FALLS (one root, p divided by the root at zero if it starts there), or the order from which to search.
+    """
+    e = g // 2
+    a, b = guard[guard_at(g, A) + l], guard[guard_at(g, B) + l]
     round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
-    p[0] = a * (d[0, e, l] - guard[GD0, g, l]) + b * (d[1, e, l] - guard[GV0, g, l])
+    p[0] = a * (d[at(e, 0) + l] - guard[guard_at(g, GD0) + l]) + b * (d[at(e, 1) + l] - guard[guard_at(g, GV0) + l])
     for j in range(1, DEGREE):
-        p[j] = (a * d[j, e, l] + (j + 1) * b * d[j + 1, e, l]) * power[j, l]
-    p[DEGREE] = a * d[DEGREE, e, l] * power[DEGREE, l]
+        p[j] = (a * d[at(e, j) + l] + (j + 1) * b * d[at(e, j + 1) + l]) * power[row(j) + l]
+    p[DEGREE] = a * d[at(e, DEGREE) + l] * power[row(DEGREE) + l]
     first = 0
     while first < DEGREE and abs(p[first]) <= round_off:
         first += 1  # within round-off of zero: the next coefficient decides, and the root at zero is divided out
     if abs(p[first]) <= round_off:
-        return
+        return _CLEAR
     if p[first] < 0.0:
-        pending[pending_count[l], l] = g
+        pending[row(pending_count[l]) + l] = g
         pending_count[l] += 1
-        return
-    root = polynomial.first_root(p, first, DEGREE, room)
-    if root < 1.0 or (root == 1.0 and not last[l]):
-        step[l] *= root
-        for j in range(1, DEGREE + 1):
-            power[j, l] = power[j - 1, l] * step[l]
+        return _CLEAR
+    end, fastest = p[first], 0.0
+    for j in range(first + 1, DEGREE + 1):
+        end += p[j]
+        slope = (j - first) * p[j]
+        fastest += slope if j == first + 1 else max(slope, 0.0)
+    if fastest >= 0.0:
+        return first
+    if end > 0.0:
+        return _CLEAR
+    if first > 0:
+        for j in range(DEGREE + 1):
+            p[j] = p[j + first] if j + first <= DEGREE else 0.0
+    return _FALLS
+
+
+@kernel
+def _note(g, l, root, power, event):
+    """Keep the earliest root of a lane."""
+    at_lane = row(DEGREE + 1) + np.uint64(l)
+    if root < power[at_lane] or (root == 1.0 and event[l] == NO_EVENT):
+        power[at_lane] = root
         event[l] = g
-        last[l] = False
+
+
+@kernel
+def _solve_together(count, falling, owner, power, event):
+    """Newton's method on `count` polynomials that fall through zero once on [0, 1], all at once; those unsettled by bisection."""
+    t, moved = row(DEGREE + 1), row(DEGREE + 2)
+    n = np.uint64(count)
+    stride = np.uint64(STRIDE)
+    for x in range(n):
+        start = falling[x]
+        end = start
+        for j in range(1, DEGREE + 1):
+            end += falling[row(j) + x]
+        falling[t + x] = start / (start - end)
+        falling[moved + x] = 1.0
+    for _ in range(6):
+        for x in range(n):
+            at_x = falling[t + x]
+            o = row(DEGREE) + x
+            f = falling[o]
+            slope = 0.0
+            for _j in range(DEGREE):  # unrolled Horner, value and slope
+                o -= stride
+                slope = slope * at_x + f
+                f = f * at_x + falling[o]
+            nearer = min(max(at_x - f / slope, 0.0), 1.0)
+            falling[moved + x] = abs(nearer - at_x)
+            falling[t + x] = nearer
+    for x in range(n):
+        root = falling[t + x]
+        if not falling[moved + x] <= 1e-12:
+            root = _bisect(x, falling)
+        _note(owner[2 * x + np.uint64(1)], owner[2 * x], root, power, event)
+
+
+@kernel
+def _bisect(x, falling):
+    low, high = 0.0, 1.0
+    for _ in range(53):
+        t = 0.5 * (low + high)
+        f = 0.0
+        for j in range(DEGREE, -1, -1):
+            f = f * t + falling[row(j) + x]
+        if f > 0.0:
+            low = t
+        else:
+            high = t
+    return high

@@ -17,15 +17,15 @@
 `v*` is the rate at the instant that the slack is taken up. A plastic curve's set is `d_max - F(d_max) / k_u`, and never counts
 as less than zero: a member pushes only while it is shorter than it was.
 
-Arrays: `coefficients` (3, e, R) stiffness, damping, slack; `pieces` (3, p, R) knot, force, slope; `line` (5, e, l) and `guard`
-(4, g, l) as `LINE` and `GUARD` below say; `memory` (3, e, l) what a law remembers; `mode` (e, l). Guards 2e and 2e + 1 are
-those of element e.
+Arrays: `coefficients` (3, e, R) stiffness, damping, slack; `pieces` (3, p, R) knot, force, slope; `line`, `guard` and `memory`
+in rows as `layout` says; `mode` in rows, one an element. Guards 2e and 2e + 1 are those of element e.
 """
 
 from __future__ import annotations
 
 from ridedown.network import Law
 from ridedown.solver.cache import kernel
+from ridedown.solver.layout import D0, F0, GD0, GV0, LATCH, PIECE, SET, V0, A, B, C, K, guard_at, line_at, memory_at, row
 
 LINEAR, KELVIN_VOIGT, THRESHOLD, ELASTIC, PLASTIC = (int(law) for law in Law)
 
@@ -36,45 +36,35 @@ DAMPED, UNDAMPED = 1, 2
 STIFFNESS, DAMPING, SLACK = range(3)
 KNOT, FORCE, SLOPE = range(3)
 
-K, C, D0, V0, F0 = LINE = range(5)
-"""A line of force: f = f0 + k (d - d0) + c (v - v0)."""
-
-A, B, GD0, GV0 = GUARD = range(4)
-"""A guard: a (d - d0) + b (v - v0)."""
-
-LATCH, SET, PIECE = MEMORY = range(3)
-"""Threshold: v*. Plastic: largest deflection so far, permanent set, and the piece it unloaded from (0 = never loaded)."""
-
-
 @kernel
 def _set_line(line, e, l, k, c, d0, v0, f0):
-    line[K, e, l] = k
-    line[C, e, l] = c
-    line[D0, e, l] = d0
-    line[V0, e, l] = v0
-    line[F0, e, l] = f0
+    line[line_at(e, K) + l] = k
+    line[line_at(e, C) + l] = c
+    line[line_at(e, D0) + l] = d0
+    line[line_at(e, V0) + l] = v0
+    line[line_at(e, F0) + l] = f0
 
 
 @kernel
 def _set_guard(guard, g, l, a, b, d0, v0):
-    guard[A, g, l] = a
-    guard[B, g, l] = b
-    guard[GD0, g, l] = d0
-    guard[GV0, g, l] = v0
+    guard[guard_at(g, A) + l] = a
+    guard[guard_at(g, B) + l] = b
+    guard[guard_at(g, GD0) + l] = d0
+    guard[guard_at(g, GV0) + l] = v0
 
 
 @kernel
-def enter(e, l, row, after, law, piece_start, coefficients, pieces, line, guard, memory, mode):
-    """Put element e of lane l, which carries crash `row`, into mode `after`: its line of force and its guards."""
+def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guard, memory, mode):
+    """Put element e of lane l, which carries this crash, into mode `after`: its line of force and its guards."""
     g = 2 * e
-    mode[e, l] = after
+    mode[row(e) + l] = after
     _set_line(line, e, l, 0.0, 0.0, 0.0, 0.0, 0.0)
     _set_guard(guard, g, l, 1.0, 0.0, -1e300, 0.0)  # never negative
     _set_guard(guard, g + 1, l, 1.0, 0.0, -1e300, 0.0)
     if law[e] == ELASTIC or law[e] == PLASTIC:
-        _enter_curve(e, l, row, after, law[e] == PLASTIC, piece_start, coefficients, pieces, line, guard, memory)
+        _enter_curve(e, l, crash, after, law[e] == PLASTIC, piece_start, coefficients, pieces, line, guard, memory)
         return
-    k, c, slack = coefficients[STIFFNESS, e, row], coefficients[DAMPING, e, row], coefficients[SLACK, e, row]
+    k, c, slack = coefficients[STIFFNESS, e, crash], coefficients[DAMPING, e, crash], coefficients[SLACK, e, crash]
     if law[e] == LINEAR:
         _set_line(line, e, l, k, c, slack, 0.0, 0.0)
     elif after == OPEN:
@@ -88,48 +78,48 @@ def enter(e, l, row, after, law, piece_start, coefficients, pieces, line, guard,
             _set_guard(guard, g + 1, l, 1.0, 0.0, slack, 0.0)
     else:
         damped = after == DAMPED
-        v_star = memory[LATCH, e, l]
+        v_star = memory[memory_at(e, LATCH) + l]
         _set_line(line, e, l, k, c if damped else 0.0, slack, v_star, 0.0)  # eqs 13-18
         _set_guard(guard, g, l, 1.0, 0.0, slack, 0.0)
         _set_guard(guard, g + 1, l, 0.0, 1.0 if damped else -1.0, 0.0, v_star)
 
 
 @kernel
-def _enter_curve(e, l, row, after, plastic, piece_start, coefficients, pieces, line, guard, memory):
+def _enter_curve(e, l, crash, after, plastic, piece_start, coefficients, pieces, line, guard, memory):
     g = 2 * e
     first, end = piece_start[e], piece_start[e + 1]
-    shortest = max(memory[SET, e, l], 0.0)  # deflection up to which the member does not touch
+    shortest = max(memory[memory_at(e, SET) + l], 0.0)  # deflection up to which the member does not touch
     if after == OPEN:
         _set_guard(guard, g, l, -1.0, 0.0, shortest, 0.0)
     elif after <= end - first:
         p = first + after - 1
-        _set_line(line, e, l, pieces[SLOPE, p, row], 0.0, pieces[KNOT, p, row], 0.0, pieces[FORCE, p, row])  # eq 9
+        _set_line(line, e, l, pieces[SLOPE, p, crash], 0.0, pieces[KNOT, p, crash], 0.0, pieces[FORCE, p, crash])  # eq 9
         if plastic:
             _set_guard(guard, g, l, 0.0, 1.0, 0.0, 0.0)
         else:
-            _set_guard(guard, g, l, 1.0, 0.0, pieces[KNOT, p, row], 0.0)
+            _set_guard(guard, g, l, 1.0, 0.0, pieces[KNOT, p, crash], 0.0)
         if p + 1 < end:
-            _set_guard(guard, g + 1, l, -1.0, 0.0, pieces[KNOT, p + 1, row], 0.0)
+            _set_guard(guard, g + 1, l, -1.0, 0.0, pieces[KNOT, p + 1, crash], 0.0)
     else:
-        _set_line(line, e, l, coefficients[STIFFNESS, e, row], 0.0, memory[SET, e, l], 0.0, 0.0)
+        _set_line(line, e, l, coefficients[STIFFNESS, e, crash], 0.0, memory[memory_at(e, SET) + l], 0.0, 0.0)
         _set_guard(guard, g, l, 1.0, 0.0, shortest, 0.0)
-        _set_guard(guard, g + 1, l, -1.0, 0.0, memory[LATCH, e, l], 0.0)
+        _set_guard(guard, g + 1, l, -1.0, 0.0, memory[memory_at(e, LATCH) + l], 0.0)
 
 
 @kernel
-def next_mode(e, l, row, second, d, v, law, piece_start, coefficients, pieces, memory, mode):
+def next_mode(e, l, crash, second, d, v, law, piece_start, coefficients, pieces, memory, mode):
     """The mode on the other side of element e's first or second guard; takes down what the law must remember.
 
     d, v: its deflection and rate at the event.
     """
-    now = mode[e, l]
+    now = mode[row(e) + l]
     if law[e] == KELVIN_VOIGT:
         if now == TAUT:
             return CLIPPED
         return OPEN if now == CLIPPED and second else TAUT
     if law[e] == THRESHOLD:
         if now == OPEN:
-            memory[LATCH, e, l] = v  # v* of eq 16
+            memory[memory_at(e, LATCH) + l] = v  # v* of eq 16
             return DAMPED
         if not second:
             return OPEN
@@ -138,7 +128,7 @@ def next_mode(e, l, row, second, d, v, law, piece_start, coefficients, pieces, m
         return now + 1 if now == OPEN or second else now - 1
     first = piece_start[e]
     unloading = piece_start[e + 1] - first + 1
-    unloaded_from = int(memory[PIECE, e, l])
+    unloaded_from = int(memory[memory_at(e, PIECE) + l])
     if now == OPEN:
         return 1 if unloaded_from == 0 else unloading
     if now == unloading:
@@ -146,8 +136,8 @@ def next_mode(e, l, row, second, d, v, law, piece_start, coefficients, pieces, m
     if second:
         return now + 1
     p = first + now - 1
-    force = pieces[FORCE, p, row] + pieces[SLOPE, p, row] * (d - pieces[KNOT, p, row])
-    memory[LATCH, e, l] = d
-    memory[SET, e, l] = d - force / coefficients[STIFFNESS, e, row]
-    memory[PIECE, e, l] = now
+    force = pieces[FORCE, p, crash] + pieces[SLOPE, p, crash] * (d - pieces[KNOT, p, crash])
+    memory[memory_at(e, LATCH) + l] = d
+    memory[memory_at(e, SET) + l] = d - force / coefficients[STIFFNESS, e, crash]
+    memory[memory_at(e, PIECE) + l] = now
     return unloading

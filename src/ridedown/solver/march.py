@@ -19,7 +19,7 @@ import numpy as np
 
 from ridedown.solver import events, extremes, laws, series
 from ridedown.solver.cache import kernel
-from ridedown.solver.workspace import DEGREE, LANES
+from ridedown.solver.layout import BEST, DEGREE, MEMORY_ROWS, SET, WHEN, at, extreme_at, memory_at, row
 
 
 class Stop(IntEnum):
@@ -35,7 +35,7 @@ class Stop(IntEnum):
 
 COMPLETED, TOO_MANY_STEPS, BAR_TURNED, NOT_FINITE, CHATTER, RECORD_FULL = (int(stop) for stop in Stop)
 GOING = -1
-IDLE = -1
+NO_CRASH = -1
 """Crash number of a lane that has none."""
 
 STEP_LIMIT = 100_000
@@ -51,93 +51,53 @@ def march(s, x, w, out, record, tolerance, with_work):
 
     `tolerance`: what the last acceleration coefficients of a step may amount to, over the crash's own scale of acceleration.
     """
+    lanes = np.uint64(w.lanes)
     # plain arrays from here on: the compiler turns loops over them into vector instructions
-    parent, law, lever, bars, arm = s.parent, s.law, s.lever, s.bar_coordinate, w.arm
+    parent, law, lever, bars, bar_of, arm = s.parent, s.law, s.lever, s.bar_coordinate, s.bar_of, w.arm
     term_start, term_coordinate, term_sign = s.term_start, s.term_coordinate, s.term_sign
-    reaction_start, reaction_coordinate, reaction_sign = s.reaction_start, s.reaction_coordinate, s.reaction_sign
+    pull_start, pull_element, pull_sign = s.pull_start, s.pull_element, s.pull_sign
     piece_start, coefficients, pieces, duration = s.piece_start, x.coefficients, x.pieces, x.duration
-    row, time, step, power, last, steps, idle = w.row, w.time, w.step, w.power, w.last, w.steps, w.idle
-    q, tan, sec2, moment, d, f, pull = w.q, w.tan, w.sec2, w.moment, w.d, w.f, w.pull
+    crash, time, step, power, last, steps, idle = w.crash, w.time, w.step, w.power, w.last, w.steps, w.idle
+    q, acc, d, f, tan, sec2, moment = w.q, w.acc, w.d, w.f, w.tan, w.sec2, w.moment
     inverse_inertia, scale, mode, line, guard, memory = w.inverse_inertia, w.scale, w.mode, w.line, w.guard, w.memory
-    event, suspect, pending, pending_count = w.event, w.suspect, w.pending, w.pending_count
-    best, best_time, work, lane_series, poly, room = (
-        w.best,
-        w.best_time,
-        w.work,
-        w.series,
-        w.poly,
-        w.room,
-    )
+    event, suspect, pending, pending_count, falling, owner = (
+        w.event, w.suspect, w.pending, w.pending_count, w.falling, w.owner
+    )  # fmt: skip
+    extreme, work, lane_series, poly, room = w.extreme, w.work, w.series, w.poly, w.room
     tracked_start, tracked_family, tracked_index = s.tracked_start, s.tracked_family, s.tracked_index
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
-
-    sum1, sum2, sum3 = w.sum1, w.sum2, w.sum3
     phases, log = record.phases, record.log
 
     taken = 0
     active = 0
-    for l in range(LANES):
+    for l in range(lanes):
         # a lane left over carries a copy of the last crash through the arithmetic, and never moves
-        crash = min(taken, duration.size - 1)
-        _load(
-            l,
-            crash,
-            parent,
-            x.inertia,
-            x.rate,
-            x.arm,
-            row,
-            time,
-            last,
-            steps,
-            idle,
-            event,
-            q,
-            inverse_inertia,
-            scale,
-            arm,
-        )
-        _open(
-            l,
-            crash,
-            law,
-            piece_start,
-            coefficients,
-            pieces,
-            line,
-            guard,
-            memory,
-            mode,
-            work,
-            tracked_sense,
-            best,
-            best_time,
-        )
+        _load(l, min(taken, duration.size - 1), x.inertia, x.rate, x.arm, crash, time, last, steps, idle, q, inverse_inertia, scale, arm)
+        _open(l, crash[l], law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked_sense.size, extreme)
         if taken < duration.size:
             taken += 1
             active += 1
         else:
-            row[l] = IDLE
-    series.start_tangents(bars, q, tan, sec2)
-    for j in range(2):
-        series.deflections(j, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
+            crash[l] = NO_CRASH
+    series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, d)
 
     while active > 0:
         for j in range(DEGREE):
             if j > 0:
-                series.tangents(j, bars, q, tan, sec2)
-                series.deflections(j + 1, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
-            series.forces(j, line, d, f)
+                series.tangents(lanes, j, bars, q, tan, sec2)
+            series.forces(lanes, j, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
             if j < DEGREE - 1:
-                series.pulls(j, reaction_start, reaction_coordinate, reaction_sign, lever, bars, arm, f, pull)
-                if s.conjugate:
-                    series.conjugate_moments(j, bars, sec2, moment, pull)
-                series.positions(j, parent, inverse_inertia, pull, q)
+                series.accelerations(
+                    lanes, j, s.conjugate, parent, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
+                    sec2, moment, f, acc, q,
+                )  # fmt: skip
 
-        _choose_steps(tolerance, row, duration, time, scale, q, step, last, sum1, sum2)
-        _powers(step, power)
-        events.find(guard, d, row, last, step, power, event, pending, pending_count, suspect, sum1, sum2, poly, room)
-        for l in range(LANES):
+        _choose_steps(lanes, parent.size, tolerance, crash, duration, time, scale, q, step, last, power)
+        events.find(
+            lanes, 2 * law.size, guard, d, crash, last, step, power, event, pending, pending_count, suspect, falling, owner,
+            poly, room,
+        )  # fmt: skip
+        for l in range(lanes):
             if pending_count[l] > 0:  # rule 2
                 step[l] = 0.0
                 last[l] = False
@@ -145,150 +105,94 @@ def march(s, x, w, out, record, tolerance, with_work):
                 idle[l] += 1
                 changed = -1
                 for n in range(pending_count[l] if idle[l] <= _IDLE_ALL else 1):
-                    g = pending[n, l]
+                    g = pending[row(n) + l]
                     if g // 2 != changed:
                         changed = g // 2
-                        _change(
-                            g,
-                            l,
-                            row[l],
-                            time[l],
-                            d,
-                            law,
-                            piece_start,
-                            coefficients,
-                            pieces,
-                            line,
-                            guard,
-                            memory,
-                            mode,
-                            log,
-                        )
-        _powers(step, power)
+                        _change(g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log)
+        _powers(lanes, step, power)
         for k in range(tracked_sense.size):
-            extremes.gather(
-                k, tracked_start, tracked_family, tracked_index, tracked_weight, power, q, d, f, lane_series
-            )
-            extremes.track(k, tracked_sense[k], time, step, lane_series, best, best_time, suspect, sum1, sum2, sum3, poly, room)
+            first = tracked_start[k]
+            family = tracked_family[first]
+            index, sense = tracked_index[first], tracked_sense[k]
+            alone = tracked_start[k + 1] == first + 1 and tracked_weight[first] == 1.0
+            if alone and family == extremes.POSITION:
+                extremes.track(lanes, k, sense, q, at(index, 0), time, step, power, extreme, suspect, poly, room)
+            elif alone and family == extremes.ACCELERATION:
+                extremes.track(lanes, k, sense, acc, at(index, 0), time, step, power, extreme, suspect, poly, room)
+            elif alone and family == extremes.DEFLECTION:
+                extremes.track(lanes, k, sense, d, at(index, 0), time, step, power, extreme, suspect, poly, room)
+            elif alone and family == extremes.FORCE:
+                extremes.track(lanes, k, sense, f, at(index, 0), time, step, power, extreme, suspect, poly, room)
+            else:
+                extremes.gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, lane_series)
+                extremes.track(lanes, k, sense, lane_series, row(0), time, step, power, extreme, suspect, poly, room)
         if with_work:
-            _add_work(power, d, f, work)
-        if phases.shape[0] > 0 and row[0] >= 0 and step[0] > 0.0:
-            _keep_phase(time[0], step[0], q, d, f, phases, record.count)
-        _advance(step, time, steps, idle, q, sum1, sum2)
+            _add_work(lanes, law.size, power, d, f, work)
+        if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:
+            _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, record.count)
+        _advance(lanes, parent.size, step, time, steps, idle, q, scale)
 
-        for l in range(LANES):
-            if row[l] >= 0:
-                stop = _stop_of(l, last, steps, idle, bars, q, phases.shape[0], record.count[0], log)
+        for l in range(lanes):
+            if crash[l] >= 0:
+                stop = _stop_of(l, last, steps, idle, scale, bars, q, phases.shape[0], record.count[0], log)
                 if stop != GOING:
                     event[l] = events.NO_EVENT
-                    _store(l, row[l], stop, time, steps, q, memory, work, best, best_time, out)
-                    row[l] = IDLE
+                    _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
+                    crash[l] = NO_CRASH
                     active -= 1
                     if taken < duration.size:
-                        _load(
-                            l,
-                            taken,
-                            parent,
-                            x.inertia,
-                            x.rate,
-                            x.arm,
-                            row,
-                            time,
-                            last,
-                            steps,
-                            idle,
-                            event,
-                            q,
-                            inverse_inertia,
-                            scale,
-                            arm,
-                        )
-                        _open(
-                            l,
-                            taken,
-                            law,
-                            piece_start,
-                            coefficients,
-                            pieces,
-                            line,
-                            guard,
-                            memory,
-                            mode,
-                            work,
-                            tracked_sense,
-                            best,
-                            best_time,
-                        )
+                        _load(l, taken, x.inertia, x.rate, x.arm, crash, time, last, steps, idle, q, inverse_inertia, scale, arm)
+                        _open(l, taken, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked_sense.size, extreme)
                         taken += 1
                         active += 1
 
-        series.start_tangents(bars, q, tan, sec2)
-        for j in range(2):
-            series.deflections(j, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
-        for l in range(LANES):
+        series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, d)
+        for l in range(lanes):
             if event[l] != events.NO_EVENT:  # rule 5
-                _change(
-                    event[l],
-                    l,
-                    row[l],
-                    time[l],
-                    d,
-                    law,
-                    piece_start,
-                    coefficients,
-                    pieces,
-                    line,
-                    guard,
-                    memory,
-                    mode,
-                    log,
-                )
-                event[l] = events.NO_EVENT
+                _change(event[l], l, crash[l], time[l], d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log)
 
 
 @kernel
-def _load(l, crash, parent, inertia, rate, arms, row, time, last, steps, idle, event, q, inverse_inertia, scale, arm):
+def _load(l, number, inertia, rate, arms, crash, time, last, steps, idle, q, inverse_inertia, scale, arm):
     """Put a crash into lane l, at its start."""
-    row[l] = crash
+    crash[l] = number
     time[l] = 0.0
     last[l] = False
     steps[l] = 0
     idle[l] = 0
-    event[l] = events.NO_EVENT
-    fastest = 0.0
-    for i in range(parent.size):
-        q[0, i, l] = 0.0
-        q[1, i, l] = rate[i, crash]
-        inverse_inertia[i, l] = 1.0 / inertia[i, crash]
-        fastest = max(fastest, abs(rate[i, crash]))
-    scale[l] = max(fastest, 1e-3) / _BRAKING_TIME
-    for e in range(arm.shape[0]):
-        arm[e, l] = arms[e, crash]
+    fastest = 1e-3
+    for i in range(inertia.shape[0]):
+        q[at(i, 0) + l] = 0.0
+        q[at(i, 1) + l] = rate[i, number]
+        inverse_inertia[row(i) + l] = 1.0 / inertia[i, number]
+        fastest = max(fastest, abs(rate[i, number]))
+    scale[l] = fastest / _BRAKING_TIME
+    for e in range(arms.shape[0]):
+        arm[row(e) + l] = arms[e, number]
 
 
 @kernel
-def _open(
-    l, crash, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked_sense, best, best_time
-):
+def _open(l, number, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked, extreme):
     """Every law of lane l open, as before the crash, and nothing tracked yet."""
     for e in range(law.size):
-        memory[:, e, l] = 0.0
-        work[e, l] = 0.0
-        laws.enter(e, l, crash, laws.OPEN, law, piece_start, coefficients, pieces, line, guard, memory, mode)
-    for k in range(tracked_sense.size):
-        best[k, l] = -np.inf
-        best_time[k, l] = 0.0
+        for part in range(MEMORY_ROWS):
+            memory[memory_at(e, part) + l] = 0.0
+        work[row(e) + l] = 0.0
+        laws.enter(e, l, number, laws.OPEN, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+    for k in range(tracked):
+        extreme[extreme_at(k, BEST) + l] = -np.inf
+        extreme[extreme_at(k, WHEN) + l] = 0.0
 
 
 @kernel
-def _change(g, l, crash, time, d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log):
+def _change(g, l, number, time, d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log):
     """Guard g of lane l has turned negative: into the mode on its other side, and note the event down."""
     e = g // 2
-    before = mode[e, l]
+    before = mode[row(e) + l]
     after = laws.next_mode(
-        e, l, crash, g % 2 == 1, d[0, e, l], d[1, e, l], law, piece_start, coefficients, pieces, memory, mode
+        e, l, number, g % 2 == 1, d[at(e, 0) + l], d[at(e, 1) + l], law, piece_start, coefficients, pieces, memory, mode
     )
-    laws.enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+    laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
     n = int(log[0, 0])
     if n + 1 < log.shape[0]:  # the first row counts the others
         log[0, 0] += 1.0
@@ -299,101 +203,107 @@ def _change(g, l, crash, time, d, law, piece_start, coefficients, pieces, line, 
 
 
 @kernel
-def _choose_steps(tolerance, row, duration, time, scale, q, step, last, top, below):
+def _choose_steps(lanes, coordinates, tolerance, crash, duration, time, scale, q, step, last, power):
     """The length of each lane's step, from its last two acceleration coefficients, and no further than the end."""
-    for l in range(LANES):
-        top[l] = 0.0
-        below[l] = 0.0
-    for i in range(q.shape[1]):
-        for l in range(LANES):
-            top[l] = max(top[l], abs(q[DEGREE, i, l]))
-            below[l] = max(below[l], abs(q[DEGREE - 1, i, l]))
-    for l in range(LANES):
+    top, below = row(0), row(1)
+    for l in range(lanes):
+        power[top + l] = 0.0
+        power[below + l] = 0.0
+    for i in range(coordinates):
+        highest, second = at(i, DEGREE), at(i, DEGREE - 1)
+        for l in range(lanes):
+            power[top + l] = max(power[top + l], abs(q[highest + l]))
+            power[below + l] = max(power[below + l], abs(q[second + l]))
+    for l in range(lanes):
         last[l] = False
         step[l] = 0.0
-        if row[l] < 0:
+        if crash[l] < 0:
             continue
         goal = tolerance * scale[l]
         h = np.inf
-        if top[l] > 0.0:
-            h = (goal / (DEGREE * (DEGREE - 1) * top[l])) ** (1.0 / (DEGREE - 2))
-        if below[l] > 0.0:
-            h = min(h, (goal / ((DEGREE - 1) * (DEGREE - 2) * below[l])) ** (1.0 / (DEGREE - 3)))
-        remaining = duration[row[l]] - time[l]
+        if power[top + l] > 0.0:
+            h = (goal / (DEGREE * (DEGREE - 1) * power[top + l])) ** (1.0 / (DEGREE - 2))
+        if power[below + l] > 0.0:
+            h = min(h, (goal / ((DEGREE - 1) * (DEGREE - 2) * power[below + l])) ** (1.0 / (DEGREE - 3)))
+        remaining = duration[crash[l]] - time[l]
         last[l] = not h < remaining
         step[l] = remaining if last[l] else h
+    _powers(lanes, step, power)
 
 
 @kernel
-def _powers(step, power):
-    for l in range(LANES):
-        power[0, l] = 1.0
-    for j in range(1, DEGREE + 1):
-        for l in range(LANES):
-            power[j, l] = power[j - 1, l] * step[l]
+def _powers(lanes, step, power):
+    """Powers of each lane's step, in rows by order."""
+    for l in range(lanes):
+        p = 1.0
+        for j in range(DEGREE + 1):
+            power[row(j) + l] = p
+            p *= step[l]
 
 
 @kernel
-def _add_work(power, d, f, work):
+def _add_work(lanes, elements, power, d, f, work):
     """Work done on each element in this step: the integral of f d' dt, term by term."""
-    for e in range(work.shape[0]):
+    for e in range(elements):
+        to = row(e)
         for a in range(DEGREE):
             for b in range(DEGREE - a):
                 share = (b + 1) / (a + b + 1)
-                for l in range(LANES):
-                    work[e, l] += share * f[a, e, l] * d[b + 1, e, l] * power[a + b + 1, l]
+                fa, db, p = at(e, a), at(e, b + 1), row(a + b + 1)
+                for l in range(lanes):
+                    work[to + l] += share * f[fa + l] * d[db + l] * power[p + l]
 
 
 @kernel
-def _keep_phase(time, step, q, d, f, phases, count):
+def _keep_phase(coordinates, elements, time, step, q, d, f, phases, count):
     """Keep lane 0's series of this step: time, length, then q, d and f by order."""
-    coordinates, elements = q.shape[1], d.shape[1]
-    phase = phases[count[0]]
-    phase[0, 0] = time
-    phase[0, 1] = step
+    n = count[0]
+    phases[n, 0, 0] = time
+    phases[n, 0, 1] = step
     for j in range(DEGREE + 1):
         for i in range(coordinates):
-            phase[j + 1, i] = q[j, i, 0]
+            phases[n, j + 1, i] = q[at(i, j)]
         for e in range(elements):
-            phase[j + 1, coordinates + e] = d[j, e, 0]
-            phase[j + 1, coordinates + elements + e] = f[j, e, 0] if j < DEGREE else 0.0
+            phases[n, j + 1, coordinates + e] = d[at(e, j)]
+            phases[n, j + 1, coordinates + elements + e] = f[at(e, j)] if j < DEGREE else 0.0
     count[0] += 1
 
 
 @kernel
-def _advance(step, time, steps, idle, q, position, rate):
+def _advance(lanes, coordinates, step, time, steps, idle, q, scale):
     """The state at the end of the step."""
-    for i in range(q.shape[1]):
-        for l in range(LANES):
-            position[l] = q[DEGREE, i, l]
-            rate[l] = DEGREE * q[DEGREE, i, l]
-        for j in range(DEGREE - 1, 0, -1):
-            order = float(j)
-            for l in range(LANES):
-                position[l] = position[l] * step[l] + q[j, i, l]
-                rate[l] = rate[l] * step[l] + order * q[j, i, l]
-        for l in range(LANES):
-            q[0, i, l] = position[l] * step[l] + q[0, i, l]
-            q[1, i, l] = rate[l]
-    for l in range(LANES):
+    for i in range(coordinates):
+        position_row, rate_row, top = at(i, 0), at(i, 1), at(i, DEGREE)
+        stride = np.uint64(top - at(i, DEGREE - 1))
+        for l in range(lanes):
+            h = step[l]
+            o = top + l
+            position = q[o]
+            rate = DEGREE * q[o]
+            for j in range(DEGREE - 1, 0, -1):  # unrolled: DEGREE is a constant
+                o -= stride
+                position = position * h + q[o]
+                rate = rate * h + float(j) * q[o]
+            position = q[position_row + l] + position * h
+            q[position_row + l] = position
+            q[rate_row + l] = rate
+            # a number that is not finite makes this one not finite too, and nothing else ever does
+            scale[l] += 0.0 * (position + rate)
+    for l in range(lanes):
         time[l] += step[l]
         steps[l] += 1
-        if step[l] > 0.0:
-            idle[l] = 0
+        idle[l] = 0 if step[l] > 0.0 else idle[l]
 
 
 @kernel
-def _stop_of(l, last, steps, idle, bars, q, capacity, kept, log):
+def _stop_of(l, last, steps, idle, scale, bars, q, capacity, kept, log):
     """Why lane l ends here, or GOING."""
-    total = 0.0
-    for i in range(q.shape[1]):
-        total += q[0, i, l] + q[1, i, l]
-    if not np.isfinite(total):
+    if not np.isfinite(scale[l]):
         return NOT_FINITE
     if last[l]:
         return COMPLETED
     for b in range(bars.size):
-        if abs(q[0, bars[b], l]) > _BAR_LIMIT:
+        if abs(q[at(bars[b], 0) + l]) > _BAR_LIMIT:
             return BAR_TURNED
     if idle[l] > _IDLE_LIMIT:
         return CHATTER
@@ -405,16 +315,16 @@ def _stop_of(l, last, steps, idle, bars, q, capacity, kept, log):
 
 
 @kernel
-def _store(l, crash, stop, time, steps, q, memory, work, best, best_time, out):
-    out.stop[crash] = stop
-    out.time[crash] = time[l]
-    out.steps[crash] = steps[l]
-    for i in range(q.shape[1]):
-        out.position[i, crash] = q[0, i, l]
-        out.rate[i, crash] = q[1, i, l]
-    for e in range(work.shape[0]):
-        out.set[e, crash] = memory[laws.SET, e, l]
-        out.work[e, crash] = work[e, l]
-    for k in range(best.shape[0]):
-        out.best[k, crash] = best[k, l]
-        out.best_time[k, crash] = best_time[k, l]
+def _store(l, number, stop, time, steps, q, memory, work, extreme, out):
+    out.stop[number] = stop
+    out.time[number] = time[l]
+    out.steps[number] = steps[l]
+    for i in range(out.position.shape[0]):
+        out.position[i, number] = q[at(i, 0) + l]
+        out.rate[i, number] = q[at(i, 1) + l]
+    for e in range(out.work.shape[0]):
+        out.set[e, number] = memory[memory_at(e, SET) + l]
+        out.work[e, number] = work[row(e) + l]
+    for k in range(out.best.shape[0]):
+        out.best[k, number] = extreme[extreme_at(k, BEST) + l]
+        out.best_time[k, number] = extreme[extreme_at(k, WHEN) + l]

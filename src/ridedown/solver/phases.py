@@ -10,7 +10,7 @@ from ridedown.network import Channel, Family, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import polynomial
 from ridedown.solver.cache import kernel
-from ridedown.solver.workspace import DEGREE
+from ridedown.solver.layout import DEGREE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,6 +27,7 @@ class Phases:
     event_before: Ints  # mode, see laws.py
     event_after: Ints
     set: Floats  # (elements,) permanent set at the end, m
+    chains: tuple[list[int], ...]  # of each coordinate, those that add up to its absolute displacement
 
     @property
     def end(self) -> float:
@@ -42,6 +43,8 @@ class Phases:
                 total += weight * self.force[:, :, index]
             elif family >= Family.DEFLECTION:
                 total += weight * _differentiated(self.deflection[:, :, index], family - Family.DEFLECTION)
+            elif family == Family.ACCELERATION:
+                total += weight * _differentiated(self.position[:, :, self.chains[index]].sum(axis=2), 2)
             else:
                 total += weight * _differentiated(self.position[:, :, index], int(family))
         return total
@@ -113,6 +116,7 @@ def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent
         event_before=whole[:, 1],
         event_after=whole[:, 2],
         set=permanent,
+        chains=tuple(network.chain(i) for i in range(n)),
     )
 
 

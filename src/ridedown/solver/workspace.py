@@ -1,6 +1,6 @@
 """What the kernels work on: the structure of a network, its numbers, and the lanes that carry many crashes abreast.
 
-Many crashes are solved at once in *lanes*: every array of the workspace ends in an axis of LANES crashes, one loop over the
+Many crashes are solved at once in *lanes*: every array of the workspace ends in an axis of crashes, one loop over the
 lanes is one straight line of vector instructions, and where crashes differ (another mode of a law, another step) they differ
 in numbers, not in branches. A lane that finishes its crash takes the next.
 
@@ -17,13 +17,11 @@ from numpy.typing import NDArray
 
 from ridedown.network import Network
 from ridedown.network.model import Floats, Ints
+from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, MEMORY_ROWS, ORDERS, STRIDE
 from ridedown.solver.polynomial import MAX_DEGREE, WORK_SHAPE
 
 Bools = NDArray[np.bool_]
 
-LANES = 32
-DEGREE = 12
-"""Degree of the position series; accelerations have degree DEGREE - 2."""
 
 
 class Structure(NamedTuple):
@@ -35,11 +33,12 @@ class Structure(NamedTuple):
     term_coordinate: Ints
     term_sign: Floats
     bar_coordinate: Ints  # (b,) rotation coordinate of each bar
+    bar_of: Ints  # (i,) bar that a coordinate is the rotation of, -1 = none
     lever: Ints  # (e,) bar that an element has an arm on, -1 = none
     conjugate: bool
-    reaction_start: Ints
-    reaction_coordinate: Ints
-    reaction_sign: Floats
+    pull_start: Ints  # (i + 1,) the elements that act on each coordinate, by a sign or by their arm
+    pull_element: Ints
+    pull_sign: Floats
     piece_start: Ints
     tracked_start: Ints  # (k + 1,) terms of each tracked quantity
     tracked_family: Ints  # of each term: a Family
@@ -60,47 +59,46 @@ class Numbers(NamedTuple):
 
 
 class Lanes(NamedTuple):
-    """The state and the series of the crashes at hand; the last axis is the lane."""
+    """The state and the series of the crashes at hand, in rows as `layout` says: one row is one number of every lane."""
 
-    # which crash, and where it is
-    row: Ints  # -1 = none
+    lanes: int  # how many are in use, STRIDE at most
+    # which crash, and where it is: one row each
+    crash: Ints  # its number, -1 = none
     time: Floats
     step: Floats
-    power: Floats  # (j, l) powers of the step
     last: Bools  # whether this step ends the crash
     steps: Ints
     idle: Ints  # steps of no length since the crash last advanced
-    # series
-    q: Floats  # (j, i, l)
-    tan: Floats  # (j, b, l)
-    sec2: Floats  # (j, b, l)
-    moment: Floats  # (j, b, l)
-    d: Floats  # (j, e, l)
-    f: Floats  # (j, e, l)
-    pull: Floats  # (i, l)
-    # the crash in each lane
-    inverse_inertia: Floats  # (i, l)
-    arm: Floats  # (e, l)
-    scale: Floats  # (l,) the acceleration that the step control measures against
-    # its laws: see laws.py
-    mode: Ints  # (e, l)
-    line: Floats  # (5, e, l)
-    guard: Floats  # (4, g, l)
-    memory: Floats  # (3, e, l)
+    scale: Floats  # the acceleration that the step control measures against
+    power: Floats  # rows by order: powers of the step; then the event's fraction of it
+    # series, rows by index and order
+    q: Floats  # coordinates
+    acc: Floats
+    d: Floats  # elements
+    f: Floats
+    tan: Floats  # bars
+    sec2: Floats
+    moment: Floats
+    # the crash's own numbers, rows by index
+    inverse_inertia: Floats
+    arm: Floats
+    # its laws
+    mode: Ints
+    line: Floats
+    guard: Floats
+    memory: Floats
+    work: Floats  # done on each element so far
     # events and extremes
-    event: Ints  # (l,) guard that ends this step, -1 = none
-    suspect: Ints  # (l,) whether what is at hand needs a closer look
-    pending: Ints  # (g, l) guards found negative at the start of the step
+    event: Ints  # guard that ends this step, -1 = none
+    suspect: Ints  # whether what is at hand needs a closer look
+    pending: Ints  # guards found negative at the start of the step, pending_count of them
     pending_count: Ints
-    best: Floats  # (k, l)
-    best_time: Floats
-    work: Floats  # (e, l) work done on each element so far
+    extreme: Floats
     # room to work in
-    sum1: Floats  # (l,)
-    sum2: Floats
-    sum3: Floats
-    series: Floats  # (j, l)
-    poly: Floats  # (MAX_DEGREE + 1,)
+    falling: Floats
+    owner: Ints
+    series: Floats
+    poly: Floats
     room: Floats
 
 
@@ -132,53 +130,52 @@ class Record(NamedTuple):
     """The phases of one crash and its changes of mode, as `march` notes them down."""
 
     count: Ints  # (1,) phases
-    phases: Floats  # (n, DEGREE + 2, columns) first row: time, step; then the series by order, columns q, d, f
+    phases: Floats  # (n, ORDERS + 1, columns) first row: time, step; then the series by order, columns q, d, f
     log: Floats  # (n + 1, 4) first row: how many; then time, element, mode before, mode after
 
 
-def lanes_for(network: Network, tracked: int) -> Lanes:
-    """Room for LANES crashes of a network of this structure."""
-    n, m = len(network.coordinates), len(network.elements)
-    bars = int(network.is_rotation.sum())
-    room = {"i": n, "e": m, "b": bars, "g": 2 * m, "k": tracked, "j": DEGREE + 1, "l": LANES}
+def lanes_for(network: Network, tracked: int, lanes: int) -> Lanes:
+    """Room for so many crashes abreast of a network of this structure."""
+    n, m, bars = len(network.coordinates), len(network.elements), int(network.is_rotation.sum())
 
-    def zeros(axes: str, dtype: type = np.float64) -> Any:
-        return np.zeros(tuple(room[a] if a in room else int(a) for a in axes), dtype=dtype)
+    def floats(rows: int) -> Floats:
+        return np.zeros(rows * STRIDE)
 
-    whole = np.int64
+    def whole(rows: int) -> Ints:
+        return np.zeros(rows * STRIDE, dtype=np.int64)
+
     return Lanes(
-        row=zeros("l", whole),
-        time=zeros("l"),
-        step=zeros("l"),
-        power=zeros("jl"),
-        last=zeros("l", np.bool_),
-        steps=zeros("l", whole),
-        idle=zeros("l", whole),
-        q=zeros("jil"),
-        tan=zeros("jbl"),
-        sec2=zeros("jbl"),
-        moment=zeros("jbl"),
-        d=zeros("jel"),
-        f=zeros("jel"),
-        pull=zeros("il"),
-        inverse_inertia=zeros("il"),
-        arm=zeros("el"),
-        scale=zeros("l"),
-        mode=zeros("el", whole),
-        line=zeros("5el"),
-        guard=zeros("4gl"),
-        memory=zeros("3el"),
-        event=zeros("l", whole),
-        suspect=zeros("l", whole),
-        pending=zeros("gl", whole),
-        pending_count=zeros("l", whole),
-        best=zeros("kl"),
-        best_time=zeros("kl"),
-        work=zeros("el"),
-        sum1=zeros("l"),
-        sum2=zeros("l"),
-        sum3=zeros("l"),
-        series=zeros("jl"),
+        lanes=lanes,
+        crash=whole(1),
+        time=floats(1),
+        step=floats(1),
+        last=np.zeros(STRIDE, dtype=np.bool_),
+        steps=whole(1),
+        idle=whole(1),
+        scale=floats(1),
+        power=floats(ORDERS + 1),
+        q=floats(n * ORDERS),
+        acc=floats(n * ORDERS),
+        d=floats(m * ORDERS),
+        f=floats(m * ORDERS),
+        tan=floats(bars * ORDERS),
+        sec2=floats(bars * ORDERS),
+        moment=floats(bars * ORDERS),
+        inverse_inertia=floats(n),
+        arm=floats(m),
+        mode=whole(m),
+        line=floats(m * LINE_ROWS),
+        guard=floats(2 * m * GUARD_ROWS),
+        memory=floats(m * MEMORY_ROWS),
+        work=floats(m),
+        event=whole(1),
+        suspect=whole(1),
+        pending=whole(2 * m),
+        pending_count=whole(1),
+        extreme=floats(tracked * EXTREME_ROWS),
+        falling=floats(ORDERS + 2),
+        owner=whole(2),
+        series=floats(ORDERS),
         poly=np.zeros(MAX_DEGREE + 1),
         room=np.zeros(WORK_SHAPE),
     )
@@ -215,6 +212,11 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
     bars = np.flatnonzero(network.is_rotation)
     bar_of = np.full(len(network.coordinates) + 1, -1, dtype=np.int64)
     bar_of[bars] = np.arange(len(bars))
+    levered = np.flatnonzero(network.lever >= 0)
+    coordinate = np.concatenate((network.reaction_coordinate, network.lever[levered]))
+    element = np.concatenate((np.repeat(np.arange(len(network.elements)), np.diff(network.reaction_start)), levered))
+    sign = np.concatenate((-network.reaction_sign, np.zeros(len(levered))))
+    order = np.argsort(coordinate, kind="stable")
     return Structure(
         parent=network.parent,
         law=network.law,
@@ -222,11 +224,12 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         term_coordinate=network.term_coordinate,
         term_sign=network.term_sign,
         bar_coordinate=bars.astype(np.int64),
+        bar_of=bar_of[:-1],
         lever=bar_of[network.lever],  # -1 reads the last entry, which is -1
         conjugate=network.conjugate,
-        reaction_start=network.reaction_start,
-        reaction_coordinate=network.reaction_coordinate,
-        reaction_sign=network.reaction_sign,
+        pull_start=np.searchsorted(coordinate[order], np.arange(len(network.coordinates) + 1)),
+        pull_element=element[order],
+        pull_sign=sign[order],
         piece_start=network.piece_start,
         tracked_start=tracked.start,
         tracked_family=tracked.family,

@@ -1,0 +1,1 @@
+"""P1 by what users would pick instead of ridedown."""

@@ -1,0 +1,223 @@
+"""What a run comes to, as tables: vehicles, occupants, energy, momentum, events, sources."""
+
+from __future__ import annotations
+
+from ridedown.events import Event
+from ridedown.report.tables import NONE, Column, Table, number
+from ridedown.response import Response
+
+G = 9.80665  # m/s2, the standard value
+KMH = 3.6
+
+_MS = 1e3
+_LEFT_OUT = "left out by the model"  # restraints that do not push back, the lever arm as printed
+
+
+def result_tables(response: Response) -> tuple[Table, ...]:
+    """The results in the order to read them in; those with no row are left out."""
+    made = (vehicles(response), masses(response), occupants(response), energy(response), momentum(response))
+    return tuple(table.without_empty_columns() for table in made if table.rows)
+
+
+def notes(response: Response) -> tuple[str, ...]:
+    """What a reader has to know before the numbers."""
+    said = []
+    if not response.completed:
+        said.append(
+            f"The simulation stopped at {_MS * response.end_time:.3f} ms: {response.status.sentence}. "
+            "All numbers are those of the part computed."
+        )
+    rebuilt = [source for source in response.sources if source.confidence == "reconstructed"]
+    if rebuilt:
+        titles = "; ".join(source.title for source in rebuilt)
+        said.append(f"Reconstructed, not published: {titles}. See the sources.")
+    return tuple(said)
+
+
+def vehicles(response: Response) -> Table:
+    """Each vehicle: how it was, how hard it was stopped, how far it was crushed."""
+    restitution = response.restitution
+    parted = "still in contact at the end" if restitution is None else f"coefficient of restitution {restitution:.3f}"
+    return Table(
+        f"Vehicles; {parted}",
+        (
+            Column("Vehicle", numeric=False),
+            Column("Mass", "kg"),
+            Column("Speed", "km/h"),
+            Column("Delta-v", "km/h"),
+            Column("Peak acceleration", "g"),
+            Column("at", "ms"),
+            Column("Dynamic crush", "mm"),
+            Column("at", "ms"),
+            Column("Residual crush", "mm"),
+            Column("Time to rest", "ms"),
+        ),
+        tuple(
+            (
+                name,
+                number(v.mass, 0),
+                number(v.speed, scale=KMH),
+                number(v.delta_v, scale=KMH),
+                number(v.peak_acceleration.value / G),
+                number(v.peak_acceleration.time, scale=_MS),
+                number(v.dynamic_crush.value, 0, scale=1e3),
+                number(v.dynamic_crush.time, scale=_MS),
+                number(v.residual_crush, 0, scale=1e3),
+                number(v.time_to_rest, scale=_MS),
+            )
+            for name, v in response.vehicles.items()
+        ),
+    )
+
+
+def masses(response: Response) -> Table:
+    """Each mass of a network."""
+    return Table(
+        "Masses",
+        (
+            Column("Mass", numeric=False),
+            Column("Mass", "kg"),
+            Column("Speed", "km/h"),
+            Column("Delta-v", "km/h"),
+            Column("Peak acceleration", "g"),
+            Column("at", "ms"),
+            Column("Largest displacement", "mm"),
+            Column("at", "ms"),
+        ),
+        tuple(
+            (
+                name,
+                number(m.mass, 0),
+                number(m.speed, scale=KMH),
+                number(m.delta_v, scale=KMH),
+                number(m.peak_acceleration.value / G),
+                number(m.peak_acceleration.time, scale=_MS),
+                number(m.displacement.value, 0, scale=1e3),
+                number(m.displacement.time, scale=_MS),
+            )
+            for name, m in response.masses.items()
+        ),
+    )
+
+
+def occupants(response: Response) -> Table:
+    """Each occupant: how hard, how far, with what force."""
+    return Table(
+        "Occupants; excursion is relative to the vehicle",
+        (
+            Column("Occupant", numeric=False),
+            Column("In", numeric=False),
+            Column("Mass", "kg"),
+            Column("Peak acceleration", "g"),
+            Column("at", "ms"),
+            Column("Excursion", "mm"),
+            Column("at", "ms"),
+            Column("Relative to seat", "mm"),
+            Column("Restraint force", "kN"),
+            Column("Time to rest", "ms"),
+        ),
+        tuple(
+            (
+                name,
+                o.vehicle,
+                number(o.mass, 0),
+                number(o.peak_acceleration.value / G),
+                number(o.peak_acceleration.time, scale=_MS),
+                number(o.excursion.value, 0, scale=1e3),
+                number(o.excursion.time, scale=_MS),
+                number(o.relative_displacement.value, 0, scale=1e3) if o.kind == "child" else NONE,
+                number(o.restraint_force.value, scale=1e-3),
+                number(o.time_to_rest, scale=_MS),
+            )
+            for name, o in response.occupants.items()
+        ),
+    )
+
+
+def energy(response: Response) -> Table:
+    """Where the kinetic energy went, element by element."""
+    balance = response.energy
+    share = 100.0 / balance.initial if balance.initial > 0.0 else 0.0
+    left_out = sum(e.left_out for e in balance.elements.values())
+    rows = [("kinetic, at the start", _kj(balance.initial), number(share * balance.initial), NONE, NONE)]
+    rows += [
+        (name, _kj(e.absorbed), number(share * e.absorbed), _kj(e.stored), _kj(e.dissipated))
+        for name, e in balance.elements.items()
+    ]
+    if left_out != 0.0:
+        rows.append((_LEFT_OUT, _kj(left_out), number(share * left_out), NONE, NONE))
+    rows.append(("kinetic, at the end", _kj(balance.final), number(share * balance.final), NONE, NONE))
+    rows.append((f"unaccounted for: {_tiny(balance.residual)} of the initial energy", NONE, NONE, NONE, NONE))
+    return Table(
+        "Energy",
+        (
+            Column("Where", numeric=False),
+            Column("Energy", "kJ"),
+            Column("Share", "%"),
+            Column("of it stored", "kJ"),
+            Column("dissipated", "kJ"),
+        ),
+        tuple(rows),
+    )
+
+
+def momentum(response: Response) -> Table:
+    """Momentum along vehicle 1's forward direction, before and after."""
+    balance = response.momentum
+    rows = [
+        ("at the start", number(balance.initial, 0)),
+        ("impulse of the wall", number(balance.external, 0)),
+        (_LEFT_OUT, number(balance.left_out, 0)),
+        ("at the end", number(balance.final, 0)),
+    ]
+    kept = [
+        row for row, value in zip(rows, (1.0, balance.external, balance.left_out, 1.0), strict=True) if value != 0.0
+    ]
+    return Table(
+        "Momentum, along the forward direction of vehicle 1",
+        (Column("When", numeric=False), Column("Momentum", "kg m/s")),
+        (*kept, (f"unaccounted for: {_tiny(balance.residual)} of all that moved", NONE)),
+    )
+
+
+def events(response: Response) -> Table:
+    """All that happened, numbered in order; the figures are marked with these numbers."""
+    return Table(
+        "Events; figures carry these numbers",
+        (Column("No."), Column("Time", "ms"), Column("Where", numeric=False), Column("What", numeric=False)),
+        tuple(_event_row(i, event) for i, event in enumerate(response.events, 1)),
+    )
+
+
+def sources(response: Response) -> Table:
+    """What the scenario's numbers rest on, and how sure they are."""
+    return Table(
+        "What the numbers rest on",
+        (
+            Column("Source", numeric=False),
+            Column("Confidence", numeric=False),
+            Column("Where", numeric=False),
+            Column("Note", numeric=False),
+        ),
+        tuple(
+            (
+                ", ".join(str(part) for part in (source.authors, source.title, source.year) if part),
+                source.confidence,
+                source.where or NONE,
+                source.note or NONE,
+            )
+            for source in response.sources
+        ),
+    )
+
+
+def _event_row(i: int, event: Event) -> tuple[str, ...]:
+    return (str(i), number(event.time, 2, scale=_MS), event.who, event.what)
+
+
+def _tiny(value: float) -> str:
+    return f"{value:.0e}".replace("-", "\u2212")
+
+
+def _kj(value: float) -> str:
+    return number(value, 2, scale=1e-3)

@@ -1,0 +1,73 @@
+"""Where things lie in the solver's flat arrays.
+
+Everything that the lanes carry is kept in rows of STRIDE numbers, one number a lane, and a row's place follows from constants:
+so the compiler knows that rows do not overlap, keeps sums in registers and turns loops over lanes into vector instructions.
+Offsets are unsigned, which spares it the test for negative indices.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ridedown.solver.cache import kernel
+
+STRIDE = 72
+"""Lanes there is room for; how many are in use is up to the caller."""
+
+DEGREE = 14
+"""Degree of the position series; accelerations have degree DEGREE - 2."""
+
+ORDERS = DEGREE + 1
+
+K, C, D0, V0, F0 = range(5)
+"""Rows of a line of force: f = f0 + k (d - d0) + c (v - v0)."""
+LINE_ROWS = 5
+
+A, B, GD0, GV0 = range(4)
+"""Rows of a guard: a (d - d0) + b (v - v0)."""
+GUARD_ROWS = 4
+
+LATCH, SET, PIECE = range(3)
+"""Rows of a law's memory. Threshold: v*. Plastic: largest deflection so far, permanent set, piece it unloaded from (0: never)."""
+MEMORY_ROWS = 3
+
+BEST, WHEN, END, RISE, FALL = range(5)
+"""Rows of a tracked extreme: the best so far, its time; of this step, the value at its end, and how high it and its negative
+could go at most."""
+EXTREME_ROWS = 5
+
+
+@kernel
+def at(index, order):
+    """Start of the row of that order in the series of a coordinate, element or bar."""
+    return np.uint64((index * ORDERS + order) * STRIDE)
+
+
+@kernel
+def row(index):
+    """Start of the row of that number."""
+    return np.uint64(index * STRIDE)
+
+
+@kernel
+def line_at(e, part):
+    """Start of a row of an element's line of force."""
+    return np.uint64((e * LINE_ROWS + part) * STRIDE)
+
+
+@kernel
+def guard_at(g, part):
+    """Start of a row of a guard; element e has guards 2 e and 2 e + 1."""
+    return np.uint64((g * GUARD_ROWS + part) * STRIDE)
+
+
+@kernel
+def memory_at(e, part):
+    """Start of a row of what an element's law remembers."""
+    return np.uint64((e * MEMORY_ROWS + part) * STRIDE)
+
+
+@kernel
+def extreme_at(k, part):
+    """Start of a row of a tracked extreme."""
+    return np.uint64((k * EXTREME_ROWS + part) * STRIDE)
