@@ -20,7 +20,6 @@ from pathlib import Path
 from zipfile import BadZipFile
 
 import numpy as np
-import p1_reference
 from numpy.typing import NDArray
 
 import ridedown
@@ -51,7 +50,7 @@ OUTCOMES = (
     "vehicle1.acceleration.peak",
     "vehicle1.displacement.max",
 )
-VECTORS = Path(__file__).resolve().parents[2] / "shared" / "vectors" / "p1.npz"
+ROOT = Path(__file__).resolve().parents[1]
 
 
 def solve(params: Floats, *, threads: int | None = None) -> tuple[Floats, dict[str, int]]:
@@ -62,21 +61,6 @@ def solve(params: Floats, *, threads: int | None = None) -> tuple[Floats, dict[s
     for i, name in enumerate(OUTCOMES):
         np.abs(outcomes[name], out=outputs[:, i])  # a peak keeps its sign
     return outputs, outcomes.failures()
-
-
-def reference() -> tuple[Floats, Floats, str]:
-    """200 parameter sets, their outcomes by other methods, and where those are from."""
-    if VECTORS.exists():
-        with np.load(VECTORS) as vectors:
-            return vectors["params"], vectors["outputs"], f"the 200 reference sets of {VECTORS.name}"
-    params = p1_reference.random_sets(200)
-    outputs, _ = p1_reference.solve(params)
-    return params, outputs, "200 sets by p1_reference.py (the reference file is not here)"
-
-
-def worst_error(outputs: Floats, expected: Floats) -> float:
-    """Largest relative error of any outcome of any set."""
-    return float(np.abs(outputs / expected - 1.0).max())
 
 
 def solve_file(source: Path, target: Path, *, threads: int | None) -> int:
@@ -137,7 +121,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if given.params is not None:
             return solve_file(given.params, given.out, threads=given.threads)
-        from p1_comparison import compare  # noqa: PLC0415  (imports the peers)
+        sys.path.insert(0, str(ROOT))  # a script is given its own folder only
+        from benchmarks.p1_comparison import compare  # noqa: PLC0415
 
         compare(repeats=max(1, given.repeats))
     except InvalidInput as error:

@@ -17,16 +17,16 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
-import p1
 from numpy.typing import NDArray
-from p1_reference import random_sets
-from peers import scipy_p1
 
 import ridedown
+from benchmarks import p1, p1_reference
+from benchmarks.peers import scipy_p1
 
 Floats = NDArray[np.float64]
 Solve = Callable[[Floats], Floats]
 
+VECTORS = p1.ROOT.parent / "shared" / "vectors" / "p1.npz"
 RIDEDOWN, HEYOKA, SCIPY = "ridedown", "heyoka", "scipy RK45"
 
 
@@ -55,20 +55,34 @@ class Contender:
 
 def compare(*, repeats: int) -> None:
     """Measure all methods, in turn within each repeat, and print what came out."""
-    params, expected, where = p1.reference()
+    params, expected, where = _reference()
     with ExitStack() as stack:
         contenders = [*_ridedown(), *_heyoka(stack), _scipy()]
-        fresh = random_sets(max(c.crashes for c in contenders), seed=1)
+        fresh = p1_reference.random_sets(max(c.crashes for c in contenders), seed=1)
         print(f"P1 on {_machine()}")
         print(f"crashes a second: medians of {repeats} repeats, all methods in turn within each")
         print(f"worst error: largest relative error of any outcome over {where}\n", flush=True)
         for contender in contenders:  # which also warms it up
-            contender.error = p1.worst_error(contender.solve(params), expected)
+            contender.error = _worst_error(contender.solve(params), expected)
         for _ in range(repeats):
             for contender in contenders:
                 contender.run(fresh)
     _print_table(contenders)
     _print_ratios({(c.name, c.threads): c for c in contenders})
+
+
+def _reference() -> tuple[Floats, Floats, str]:
+    """200 parameter sets, their outcomes by other methods, and where those are from."""
+    if VECTORS.exists():
+        with np.load(VECTORS) as vectors:
+            return vectors["params"], vectors["outputs"], f"the 200 reference sets of {VECTORS.name}"
+    params = p1_reference.random_sets(200)
+    outputs, _ = p1_reference.solve(params)
+    return params, outputs, "200 sets by p1_reference.py (the reference file is not here)"
+
+
+def _worst_error(outputs: Floats, expected: Floats) -> float:
+    return float(np.abs(outputs / expected - 1.0).max())
 
 
 def _ridedown() -> Iterator[Contender]:
@@ -91,7 +105,7 @@ def _heyoka(stack: ExitStack) -> Iterator[Contender]:
             "heyoka is not installed, so the strongest peer is missing below. To add it: pip install '.[benchmark]'\n"
         )
         return
-    from peers import heyoka_p1  # noqa: PLC0415  (not always there)
+    from benchmarks.peers import heyoka_p1  # noqa: PLC0415  (not always there)
 
     how = f"batches of {heyoka_p1.LANES}, terminal events, tol {heyoka_p1.TOLERANCE:.0e}"
     yield Contender(HEYOKA, 1, 4_000, heyoka_p1.Heyoka().solve, how)
@@ -126,7 +140,7 @@ _worker: dict[str, Solve] = {}  # in a worker process: its solver, compiled once
 
 
 def _prepare() -> None:
-    from peers import heyoka_p1  # noqa: PLC0415
+    from benchmarks.peers import heyoka_p1  # noqa: PLC0415
 
     _worker["solve"] = heyoka_p1.Heyoka().solve
 

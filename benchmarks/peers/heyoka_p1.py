@@ -21,7 +21,8 @@ import heyoka as hy
 import numba
 import numpy as np
 from numpy.typing import NDArray
-from p1_reference import (
+
+from benchmarks.p1_reference import (
     ADULT,
     BAR_INERTIA,
     BAR_MASS,

@@ -9,7 +9,9 @@ from __future__ import annotations
 from math import tan
 
 import numpy as np
-from p1_reference import (
+from scipy.integrate import solve_ivp
+
+from benchmarks.p1_reference import (
     ADULT,
     BAR_INERTIA,
     BAR_MASS,
@@ -22,7 +24,6 @@ from p1_reference import (
     STATES,
     Floats,
 )
-from scipy.integrate import solve_ivp
 
 TOLERANCE = 1e-6
 SAMPLES = np.linspace(0.0, END, 2001)

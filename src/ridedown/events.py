@@ -8,6 +8,8 @@ from ridedown.network import Law, Network
 from ridedown.solver import laws
 from ridedown.solver.phases import Phases
 
+_INSTANT = 1e-12  # s: changes no further apart are one event
+
 
 @dataclass(frozen=True, slots=True)
 class Event:
@@ -28,7 +30,7 @@ def events_of(network: Network, phases: Phases) -> tuple[Event, ...]:
     for time, e, before, after in zip(
         phases.event_time, phases.event_element, phases.event_before, phases.event_after, strict=True
     ):
-        same = next((k for k in range(len(changes) - 1, -1, -1) if _is_same(changes[k], time, e)), None)
+        same = _same_instant(changes, float(time), int(e))
         if same is None:
             changes.append((float(time), int(e), int(before), int(after)))
         else:
@@ -40,8 +42,14 @@ def events_of(network: Network, phases: Phases) -> tuple[Event, ...]:
     )
 
 
-def _is_same(change: tuple[float, int, int, int], time: float, element: int) -> bool:
-    return change[1] == element and abs(change[0] - time) <= 1e-12
+def _same_instant(changes: list[tuple[float, int, int, int]], time: float, element: int) -> int | None:
+    """Where an element's change at this instant stands in the list, if there is one."""
+    for k in range(len(changes) - 1, -1, -1):
+        if time - changes[k][0] > _INSTANT:
+            return None
+        if changes[k][1] == element:
+            return k
+    return None
 
 
 def _what(network: Network, e: int, before: int, after: int) -> str:

@@ -79,7 +79,7 @@ STIFFENING = {"pieces": [{"stiffness": 118.2e3, "until": 0.356}, {"stiffness": 4
 def crash(law: str, *, coupled: bool, plastic: bool, offset: float, lever_arm: str) -> CrashScenario:
     belt = {"stiffness": 98.1e3, "damping_ratio": 0.5, "slack": 0.005, "law": law}
     return CrashScenario(
-        duration=0.2,
+        duration=0.12,
         vehicle1={"mass": 1500.0, "speed": 13.33, "members": STIFFENING | (PLASTIC if plastic else {})},
         vehicle2={"mass": 2200.0, "speed": 9.0, "members": {"points": NEON} | (PLASTIC if plastic else {})},
         bar={"mass": 40.0, "inertia": 157.0, "rail_spacing": 1.1, "lateral_offset": offset, "lever_arm": lever_arm},
@@ -109,9 +109,9 @@ IDS = ["threshold, elastic, printed", "threshold, plastic, coupled", "full overl
 @pytest.mark.parametrize("scenario", CASES, ids=IDS)
 def test_a_method_without_events_agrees(scenario: CrashScenario) -> None:
     run = independent.simulate(scenario)
-    times, coarse = independent.coarse(scenario, step=4e-5)
+    times, coarse = independent.coarse(scenario, step=8e-5)
     # Without events the error is of first order in the step, worst for the light bar that a member with f0 > 0 hits:
-    # measured 5e-4 here and 1e-4 with steps of 5e-6 s. A lost event or a wrong mode shows as 1e-2 and more.
+    # at most 2e-3 here, and 1e-4 with steps of 5e-6 s. A lost event or a wrong mode shows as 1e-2 and more.
     for channel, values in coarse.items():
         exact = run.at(channel, times)
         if np.abs(exact).max() < 1e-9:  # m, m/s, N: a bar that only rounding turns
@@ -120,14 +120,14 @@ def test_a_method_without_events_agrees(scenario: CrashScenario) -> None:
             error = np.abs(exact - values).sum() / np.abs(values).sum()
         else:
             error = np.abs(exact - values).max() / np.abs(values).max()
-        assert error < 1e-3, channel
+        assert error < 3e-3, channel
 
 
 @pytest.mark.parametrize("scenario", CASES[1:3], ids=IDS[1:3])
 def test_momentum_is_kept(scenario: CrashScenario) -> None:
     run = independent.simulate(scenario)
     momentum = np.zeros(50)
-    times = np.linspace(0.0, 0.2, 50)
+    times = np.linspace(0.0, 0.12, 50)
     for body in run.system.bodies:
         if body.name != "bar.rotation":
             forward = -1.0 if body.name == "vehicle2" or body.vehicle == "vehicle2" else 1.0
@@ -139,7 +139,7 @@ def test_elastic_parts_give_all_energy_back() -> None:
     # work-conjugate arms, no occupants: kinetic and spring energy add up at every moment
     scenario = CASES[3].model_copy(update={"occupants": ()})
     run = independent.simulate(scenario)
-    times = np.linspace(0.0, 0.2, 41)
+    times = np.linspace(0.0, 0.12, 41)
     energy = np.zeros(41)
     for body in run.system.bodies:
         rate = "bar.rotation_rate" if body.name == "bar.rotation" else f"{body.name}.velocity"

@@ -214,14 +214,22 @@ def _identify(*, as_json: bool, out: Path | None) -> None:
     from ridedown.apps import show
     from ridedown.apps.output import staged
     from ridedown.paper.identify import identify
+    from ridedown.paper.page import numbers_table
 
     _say_if_cold()
-    with show.working("identifying the vehicle from the ten numbers"):
+    with show.working("identifying the vehicle from the ten numbers; up to two minutes"):
         found = identify()
     if out is not None:
         with staged(out) as stage:
             (stage / "identified.toml").write_text(found.toml, encoding="utf-8")
-    show.identified(found, as_json=as_json)
+    if as_json:
+        show.as_json({"numbers": [headline.to_dict() for headline in found.table], "scenario": found.toml})
+        return
+    show.tables(numbers_table(found.table))
+    show.note("The vehicle found, a reconstruction: other vehicles of the same ratios of force to mass do as well.\n")
+    typer.echo(found.toml, nl=False)
+    if out is not None:
+        typer.echo(f"\nWritten to {out / 'identified.toml'}")
 
 
 if __name__ == "__main__":

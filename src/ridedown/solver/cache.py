@@ -50,8 +50,18 @@ def _writable_folder() -> Path | None:
 FOLDER = _writable_folder()
 
 
+def part(function: F) -> F:
+    """Compile `function` for other kernels to call; Python cannot."""
+    return numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)  # type: ignore[no-any-return]
+
+
+def inlined(function: F) -> F:
+    """Put `function`, one line or two, into the kernels that call it."""
+    return numba.njit(inline="always", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)  # type: ignore[no-any-return]
+
+
 def kernel(function: F) -> F:
-    """Compile `function` with the project's options, cached in this version's folder."""
+    """Compile `function` for Python to call, cached in this version's folder."""
     if FOLDER is None:
         return numba.njit(**_OPTIONS)(function)  # type: ignore[no-any-return]
     before = config.CACHE_DIR

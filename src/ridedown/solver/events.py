@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ridedown.solver import polynomial
-from ridedown.solver.cache import kernel
+from ridedown.solver.cache import part
 from ridedown.solver.layout import DEGREE, GD0, GV0, STRIDE, A, B, at, guard_at, row
 
 GAP_ROUND_OFF = 1e-14  # m
@@ -19,14 +19,14 @@ RATE_ROUND_OFF = 1e-13  # m/s
 NO_EVENT = -1
 
 
-@kernel
+@part
 def find(lanes, guards, guard, d, crash, last, step, power, event, pending, pending_count, suspect, falling, owner, poly, room):
     """Sort each lane's guards: negative at the start (into `pending`), or first to turn negative in the step (into `event`).
 
     The step of a lane with an event shrinks to it. `falling` and `owner` are room for one guard a lane and more, to be solved
     together.
     """
-    count = 0
+    count = np.int64(0)
     for l in range(lanes):
         pending_count[l] = 0
         event[l] = NO_EVENT
@@ -41,14 +41,14 @@ def find(lanes, guards, guard, d, crash, last, step, power, event, pending, pend
                 if kind == _FALLS:
                     if count == STRIDE:
                         _solve_together(count, falling, owner, power, event)
-                        count = 0
+                        count = np.int64(0)
                     for j in range(DEGREE + 1):
                         falling[row(j) + np.uint64(count)] = poly[j]
                     owner[2 * count] = l
                     owner[2 * count + 1] = g
                     count += 1
-                elif kind >= 0:
-                    _note(g, l, polynomial.first_root(poly, kind, DEGREE, room), power, event)
+                elif kind == _SEARCH:
+                    _note(g, l, polynomial.first_root(poly, room), power, event)
     _solve_together(count, falling, owner, power, event)
     for l in range(lanes):
         first = power[row(DEGREE + 1) + l]
@@ -59,10 +59,10 @@ def find(lanes, guards, guard, d, crash, last, step, power, event, pending, pend
             event[l] = NO_EVENT
 
 
-_CLEAR, _FALLS = -1, -2
+_CLEAR, _FALLS, _SEARCH = range(3)
 
 
-@kernel
+@part
 def _suspects(lanes, g, guard, d, power, suspect):
     """Mark the lanes in which guard g may start or turn negative."""
     e = g // 2
@@ -85,11 +85,11 @@ def _suspects(lanes, g, guard, d, power, suspect):
     return count
 
 
-@kernel
+@part
 def _examine(g, l, guard, d, power, pending, pending_count, p):
     """Read one guard closely, its polynomial into p.
 
-    Answers _CLEAR, _FALLS (one root, p divided by the root at zero if it starts there), or the order from which to search.
+    Answers _CLEAR, _FALLS (one root) or _SEARCH; then p is divided by t as often as it starts at zero.
     """
     e = g // 2
     a, b = guard[guard_at(g, A) + l], guard[guard_at(g, B) + l]
@@ -107,31 +107,28 @@ def _examine(g, l, guard, d, power, pending, pending_count, p):
         pending[row(pending_count[l]) + l] = g
         pending_count[l] += 1
         return _CLEAR
-    end, fastest = p[first], 0.0
-    for j in range(first + 1, DEGREE + 1):
-        end += p[j]
-        slope = (j - first) * p[j]
-        fastest += slope if j == first + 1 else max(slope, 0.0)
-    if fastest >= 0.0:
-        return first
-    if end > 0.0:
-        return _CLEAR
     if first > 0:
         for j in range(DEGREE + 1):
             p[j] = p[j + first] if j + first <= DEGREE else 0.0
-    return _FALLS
+    end, fastest = p[0] + p[1], p[1]
+    for j in range(2, DEGREE + 1):
+        end += p[j]
+        fastest += j * max(p[j], 0.0)
+    if fastest >= 0.0:
+        return _SEARCH
+    return _CLEAR if end > 0.0 else _FALLS
 
 
-@kernel
+@part
 def _note(g, l, root, power, event):
     """Keep the earliest root of a lane."""
-    at_lane = row(DEGREE + 1) + np.uint64(l)
+    at_lane = row(DEGREE + 1) + l
     if root < power[at_lane] or (root == 1.0 and event[l] == NO_EVENT):
         power[at_lane] = root
         event[l] = g
 
 
-@kernel
+@part
 def _solve_together(count, falling, owner, power, event):
     """Newton's method on `count` polynomials that fall through zero once on [0, 1], all at once; those unsettled by bisection."""
     t, moved = row(DEGREE + 1), row(DEGREE + 2)
@@ -161,10 +158,11 @@ def _solve_together(count, falling, owner, power, event):
         root = falling[t + x]
         if not falling[moved + x] <= 1e-12:
             root = _bisect(x, falling)
-        _note(owner[2 * x + np.uint64(1)], owner[2 * x], root, power, event)
+        two = np.uint64(2)
+        _note(owner[two * x + np.uint64(1)], np.uint64(owner[two * x]), root, power, event)
 
 
-@kernel
+@part
 def _bisect(x, falling):
     low, high = 0.0, 1.0
     for _ in range(53):

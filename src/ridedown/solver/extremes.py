@@ -10,13 +10,13 @@ import numpy as np
 
 from ridedown.network import Family
 from ridedown.solver import polynomial
-from ridedown.solver.cache import kernel
+from ridedown.solver.cache import part
 from ridedown.solver.layout import BEST, DEGREE, END, FALL, RISE, STRIDE, WHEN, at, extreme_at, row
 
 POSITION, RATE, ACCELERATION, DEFLECTION, DEFLECTION_RATE, FORCE = (int(family) for family in Family)
 
 
-@kernel
+@part
 def gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series):
     """The series of tracked quantity k in all lanes."""
     for j in range(DEGREE + 1):
@@ -39,7 +39,7 @@ def gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weigh
             _add(lanes, f, index, 0, weight, series)
 
 
-@kernel
+@part
 def _add(lanes, source, index, shift, weight, series):
     """Add weight * a series, or `shift` = 1 times differentiated."""
     for j in range(DEGREE + 1 - shift):
@@ -49,29 +49,39 @@ def _add(lanes, source, index, shift, weight, series):
             series[to + l] += factor * source[of + l]
 
 
-@kernel
+@part
 def _bounds(lanes, source, base, power, extreme, end, rise, fall):
-    """The series' value at the end of the step, and how high it and its negative could go at most."""
+    """The series' value at the end of the step, and how high it and its negative could go at most, beyond the step's ends."""
     stride = np.uint64(STRIDE)
     for l in range(lanes):
         o = base + l
         start = source[o]
-        total = start
-        more = start
-        less = -start
-        for j in range(1, DEGREE + 1):  # unrolled: DEGREE is a constant
+        c = source[o + stride] * power[row(1) + l]
+        total = start + c
+        more = max(c, 0.0)
+        less = max(-c, 0.0)
+        slowest = c
+        fastest = c
+        o += stride
+        for j in range(2, DEGREE + 1):  # unrolled: DEGREE is a constant
             o += stride
             c = source[o] * power[row(j) + l]
+            up = max(c, 0.0)
+            down = max(-c, 0.0)
             total += c
-            more += max(c, 0.0)
-            less += max(-c, 0.0)
+            more += up
+            less += down
+            fastest += j * up
+            slowest -= j * down
+        # one that rises or falls throughout does not go beyond its ends
+        turns = (slowest < 0.0) & (fastest > 0.0)
         extreme[end + l] = total
-        extreme[rise + l] = more
-        extreme[fall + l] = less
+        extreme[rise + l] = start + more if turns else -np.inf
+        extreme[fall + l] = less - start if turns else -np.inf
 
 
-@kernel
-def track(lanes, k, sense, source, base, time, step, power, extreme, suspect, poly, room):
+@part
+def track(lanes, k, sense, source, base, time, step, power, extreme, poly, room):
     """Raise extreme k by what this step holds of a series, whose row of order 0 starts at `base` in `source`.
 
     `sense`: +1 largest, -1 smallest (kept as its negative), 0 largest magnitude.
@@ -79,32 +89,22 @@ def track(lanes, k, sense, source, base, time, step, power, extreme, suspect, po
     best, when = extreme_at(k, BEST), extreme_at(k, WHEN)
     end, rise, fall = extreme_at(k, END), extreme_at(k, RISE), extreme_at(k, FALL)
     _bounds(lanes, source, base, power, extreme, end, rise, fall)
-    suspects = 0
     for l in range(lanes):
-        start = source[base + l]
-        finish = extreme[end + l]
-        low = abs(start) if sense == 0 else sense * start
-        high = abs(finish) if sense == 0 else sense * finish
-        now = extreme[best + l]
         if step[l] > 0.0:
-            if low > now:
-                now = low
+            start, finish = source[base + l], extreme[end + l]
+            low = abs(start) if sense == 0 else sense * start
+            high = abs(finish) if sense == 0 else sense * finish
+            if low > extreme[best + l]:
+                extreme[best + l] = low
                 extreme[when + l] = time[l]
-            if high > now:
-                now = high
+            if high > extreme[best + l]:
+                extreme[best + l] = high
                 extreme[when + l] = time[l] + step[l]
-            extreme[best + l] = now
-        beyond = (sense >= 0 and extreme[rise + l] > now) or (sense <= 0 and extreme[fall + l] > now)
-        suspect[l] = 1 if beyond and step[l] > 0.0 else 0
-        suspects += suspect[l]
-    if suspects > 0:
-        for l in range(lanes):
-            if suspect[l] == 1:
-                for sign in (1.0, -1.0):
-                    if sense * sign >= 0.0 and extreme[(rise if sign > 0.0 else fall) + l] > extreme[best + l]:
-                        for j in range(DEGREE + 1):
-                            poly[j] = sign * source[base + row(j) + l] * power[row(j) + l]
-                        peak, where = polynomial.maximum(poly, 0, DEGREE, extreme[best + l], room)
-                        if where >= 0.0:
-                            extreme[best + l] = peak
-                            extreme[when + l] = time[l] + where * step[l]
+            for sign in (1.0, -1.0):
+                if extreme[(rise if sign > 0.0 else fall) + l] > extreme[best + l] and sense * sign >= 0.0:
+                    for j in range(DEGREE + 1):
+                        poly[j] = sign * source[base + row(j) + l] * power[row(j) + l]
+                    peak, where = polynomial.maximum(poly, extreme[best + l], room)
+                    if where >= 0.0:
+                        extreme[best + l] = peak
+                        extreme[when + l] = time[l] + where * step[l]

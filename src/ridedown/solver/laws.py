@@ -24,7 +24,7 @@ in rows as `layout` says; `mode` in rows, one an element. Guards 2e and 2e + 1 a
 from __future__ import annotations
 
 from ridedown.network import Law
-from ridedown.solver.cache import kernel
+from ridedown.solver.cache import part
 from ridedown.solver.layout import D0, F0, GD0, GV0, LATCH, PIECE, SET, V0, A, B, C, K, guard_at, line_at, memory_at, row
 
 LINEAR, KELVIN_VOIGT, THRESHOLD, ELASTIC, PLASTIC = (int(law) for law in Law)
@@ -36,7 +36,7 @@ DAMPED, UNDAMPED = 1, 2
 STIFFNESS, DAMPING, SLACK = range(3)
 KNOT, FORCE, SLOPE = range(3)
 
-@kernel
+@part
 def _set_line(line, e, l, k, c, d0, v0, f0):
     line[line_at(e, K) + l] = k
     line[line_at(e, C) + l] = c
@@ -45,7 +45,7 @@ def _set_line(line, e, l, k, c, d0, v0, f0):
     line[line_at(e, F0) + l] = f0
 
 
-@kernel
+@part
 def _set_guard(guard, g, l, a, b, d0, v0):
     guard[guard_at(g, A) + l] = a
     guard[guard_at(g, B) + l] = b
@@ -53,7 +53,7 @@ def _set_guard(guard, g, l, a, b, d0, v0):
     guard[guard_at(g, GV0) + l] = v0
 
 
-@kernel
+@part
 def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guard, memory, mode):
     """Put element e of lane l, which carries this crash, into mode `after`: its line of force and its guards."""
     g = 2 * e
@@ -84,7 +84,7 @@ def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guar
         _set_guard(guard, g + 1, l, 0.0, 1.0 if damped else -1.0, 0.0, v_star)
 
 
-@kernel
+@part
 def _enter_curve(e, l, crash, after, plastic, piece_start, coefficients, pieces, line, guard, memory):
     g = 2 * e
     first, end = piece_start[e], piece_start[e + 1]
@@ -106,7 +106,7 @@ def _enter_curve(e, l, crash, after, plastic, piece_start, coefficients, pieces,
         _set_guard(guard, g + 1, l, -1.0, 0.0, memory[memory_at(e, LATCH) + l], 0.0)
 
 
-@kernel
+@part
 def next_mode(e, l, crash, second, d, v, law, piece_start, coefficients, pieces, memory, mode):
     """The mode on the other side of element e's first or second guard; takes down what the law must remember.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.solver.cache import kernel
+from ridedown.solver.cache import inlined
 
 STRIDE = 72
 """Lanes there is room for; how many are in use is up to the caller."""
@@ -37,37 +37,37 @@ could go at most."""
 EXTREME_ROWS = 5
 
 
-@kernel
+@inlined
 def at(index, order):
     """Start of the row of that order in the series of a coordinate, element or bar."""
     return np.uint64((index * ORDERS + order) * STRIDE)
 
 
-@kernel
+@inlined
 def row(index):
     """Start of the row of that number."""
     return np.uint64(index * STRIDE)
 
 
-@kernel
+@inlined
 def line_at(e, part):
     """Start of a row of an element's line of force."""
     return np.uint64((e * LINE_ROWS + part) * STRIDE)
 
 
-@kernel
+@inlined
 def guard_at(g, part):
     """Start of a row of a guard; element e has guards 2 e and 2 e + 1."""
     return np.uint64((g * GUARD_ROWS + part) * STRIDE)
 
 
-@kernel
+@inlined
 def memory_at(e, part):
     """Start of a row of what an element's law remembers."""
     return np.uint64((e * MEMORY_ROWS + part) * STRIDE)
 
 
-@kernel
+@inlined
 def extreme_at(k, part):
     """Start of a row of a tracked extreme."""
     return np.uint64((k * EXTREME_ROWS + part) * STRIDE)

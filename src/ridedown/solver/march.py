@@ -18,7 +18,7 @@ from enum import IntEnum
 import numpy as np
 
 from ridedown.solver import events, extremes, laws, series
-from ridedown.solver.cache import kernel
+from ridedown.solver.cache import kernel, part
 from ridedown.solver.layout import BEST, DEGREE, MEMORY_ROWS, SET, WHEN, at, extreme_at, memory_at, row
 
 
@@ -68,20 +68,34 @@ def march(s, x, w, out, record, tolerance, with_work):
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
 
-    taken = 0
-    active = 0
+    lanes = min(lanes, np.uint64(duration.size))
+    taken = np.int64(0)
+    active = np.int64(0)
     for l in range(lanes):
-        # a lane left over carries a copy of the last crash through the arithmetic, and never moves
-        _load(l, min(taken, duration.size - 1), x.inertia, x.rate, x.arm, crash, time, last, steps, idle, q, inverse_inertia, scale, arm)
-        _open(l, crash[l], law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked_sense.size, extreme)
-        if taken < duration.size:
-            taken += 1
-            active += 1
-        else:
-            crash[l] = NO_CRASH
-    series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, d)
+        crash[l] = NO_CRASH
 
-    while active > 0:
+    while True:
+        for l in range(lanes):
+            if crash[l] == NO_CRASH and taken < duration.size:
+                _load(
+                    l, taken, x.inertia, x.rate, x.arm, crash, time, last, steps, idle, pending_count, q, inverse_inertia, scale, arm
+                )  # fmt: skip
+                _open(
+                    l, taken, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked_sense.size, extreme
+                )  # fmt: skip
+                taken += 1
+                active += 1
+        if active == 0:
+            break
+        series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, d)
+        for l in range(lanes):  # the mode beyond each guard that has turned negative
+            changed = -1
+            for n in range(pending_count[l]):
+                g = pending[row(n) + l]
+                if g // 2 != changed:
+                    changed = g // 2
+                    _change(g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log)
+
         for j in range(DEGREE):
             if j > 0:
                 series.tangents(lanes, j, bars, q, tan, sec2)
@@ -98,34 +112,31 @@ def march(s, x, w, out, record, tolerance, with_work):
             poly, room,
         )  # fmt: skip
         for l in range(lanes):
-            if pending_count[l] > 0:  # rule 2
+            if pending_count[l] > 0:  # rule 2: a step of no length
                 step[l] = 0.0
                 last[l] = False
-                event[l] = events.NO_EVENT
                 idle[l] += 1
-                changed = -1
-                for n in range(pending_count[l] if idle[l] <= _IDLE_ALL else 1):
-                    g = pending[row(n) + l]
-                    if g // 2 != changed:
-                        changed = g // 2
-                        _change(g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log)
+                if idle[l] > _IDLE_ALL:
+                    pending_count[l] = 1
+            elif event[l] != events.NO_EVENT:  # rule 5
+                pending[l] = event[l]
+                pending_count[l] = 1
         _powers(lanes, step, power)
         for k in range(tracked_sense.size):
             first = tracked_start[k]
-            family = tracked_family[first]
-            index, sense = tracked_index[first], tracked_sense[k]
+            family, base = tracked_family[first], at(tracked_index[first], np.int64(0))
+            source = q
+            if family == extremes.ACCELERATION:
+                source = acc
+            elif family == extremes.DEFLECTION:
+                source = d
+            elif family == extremes.FORCE:
+                source = f
             alone = tracked_start[k + 1] == first + 1 and tracked_weight[first] == 1.0
-            if alone and family == extremes.POSITION:
-                extremes.track(lanes, k, sense, q, at(index, 0), time, step, power, extreme, suspect, poly, room)
-            elif alone and family == extremes.ACCELERATION:
-                extremes.track(lanes, k, sense, acc, at(index, 0), time, step, power, extreme, suspect, poly, room)
-            elif alone and family == extremes.DEFLECTION:
-                extremes.track(lanes, k, sense, d, at(index, 0), time, step, power, extreme, suspect, poly, room)
-            elif alone and family == extremes.FORCE:
-                extremes.track(lanes, k, sense, f, at(index, 0), time, step, power, extreme, suspect, poly, room)
-            else:
+            if not alone or family == extremes.RATE or family == extremes.DEFLECTION_RATE:
                 extremes.gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, lane_series)
-                extremes.track(lanes, k, sense, lane_series, row(0), time, step, power, extreme, suspect, poly, room)
+                source, base = lane_series, np.uint64(0)
+            extremes.track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, poly, room)
         if with_work:
             _add_work(lanes, law.size, power, d, f, work)
         if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:
@@ -136,30 +147,23 @@ def march(s, x, w, out, record, tolerance, with_work):
             if crash[l] >= 0:
                 stop = _stop_of(l, last, steps, idle, scale, bars, q, phases.shape[0], record.count[0], log)
                 if stop != GOING:
-                    event[l] = events.NO_EVENT
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH
+                    pending_count[l] = 0
                     active -= 1
-                    if taken < duration.size:
-                        _load(l, taken, x.inertia, x.rate, x.arm, crash, time, last, steps, idle, q, inverse_inertia, scale, arm)
-                        _open(l, taken, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked_sense.size, extreme)
-                        taken += 1
-                        active += 1
-
-        series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, d)
-        for l in range(lanes):
-            if event[l] != events.NO_EVENT:  # rule 5
-                _change(event[l], l, crash[l], time[l], d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log)
 
 
-@kernel
-def _load(l, number, inertia, rate, arms, crash, time, last, steps, idle, q, inverse_inertia, scale, arm):
+@part
+def _load(
+    l, number, inertia, rate, arms, crash, time, last, steps, idle, pending_count, q, inverse_inertia, scale, arm
+):  # fmt: skip
     """Put a crash into lane l, at its start."""
     crash[l] = number
     time[l] = 0.0
     last[l] = False
     steps[l] = 0
     idle[l] = 0
+    pending_count[l] = 0
     fastest = 1e-3
     for i in range(inertia.shape[0]):
         q[at(i, 0) + l] = 0.0
@@ -171,7 +175,7 @@ def _load(l, number, inertia, rate, arms, crash, time, last, steps, idle, q, inv
         arm[row(e) + l] = arms[e, number]
 
 
-@kernel
+@part
 def _open(l, number, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked, extreme):
     """Every law of lane l open, as before the crash, and nothing tracked yet."""
     for e in range(law.size):
@@ -184,7 +188,7 @@ def _open(l, number, law, piece_start, coefficients, pieces, line, guard, memory
         extreme[extreme_at(k, WHEN) + l] = 0.0
 
 
-@kernel
+@part
 def _change(g, l, number, time, d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log):
     """Guard g of lane l has turned negative: into the mode on its other side, and note the event down."""
     e = g // 2
@@ -202,7 +206,7 @@ def _change(g, l, number, time, d, law, piece_start, coefficients, pieces, line,
         log[n + 1, 3] = after
 
 
-@kernel
+@part
 def _choose_steps(lanes, coordinates, tolerance, crash, duration, time, scale, q, step, last, power):
     """The length of each lane's step, from its last two acceleration coefficients, and no further than the end."""
     top, below = row(0), row(1)
@@ -231,7 +235,7 @@ def _choose_steps(lanes, coordinates, tolerance, crash, duration, time, scale, q
     _powers(lanes, step, power)
 
 
-@kernel
+@part
 def _powers(lanes, step, power):
     """Powers of each lane's step, in rows by order."""
     for l in range(lanes):
@@ -241,7 +245,7 @@ def _powers(lanes, step, power):
             p *= step[l]
 
 
-@kernel
+@part
 def _add_work(lanes, elements, power, d, f, work):
     """Work done on each element in this step: the integral of f d' dt, term by term."""
     for e in range(elements):
@@ -254,7 +258,7 @@ def _add_work(lanes, elements, power, d, f, work):
                     work[to + l] += share * f[fa + l] * d[db + l] * power[p + l]
 
 
-@kernel
+@part
 def _keep_phase(coordinates, elements, time, step, q, d, f, phases, count):
     """Keep lane 0's series of this step: time, length, then q, d and f by order."""
     n = count[0]
@@ -269,7 +273,7 @@ def _keep_phase(coordinates, elements, time, step, q, d, f, phases, count):
     count[0] += 1
 
 
-@kernel
+@part
 def _advance(lanes, coordinates, step, time, steps, idle, q, scale):
     """The state at the end of the step."""
     for i in range(coordinates):
@@ -295,7 +299,7 @@ def _advance(lanes, coordinates, step, time, steps, idle, q, scale):
         idle[l] = 0 if step[l] > 0.0 else idle[l]
 
 
-@kernel
+@part
 def _stop_of(l, last, steps, idle, scale, bars, q, capacity, kept, log):
     """Why lane l ends here, or GOING."""
     if not np.isfinite(scale[l]):
@@ -314,7 +318,7 @@ def _stop_of(l, last, steps, idle, scale, bars, q, capacity, kept, log):
     return GOING
 
 
-@kernel
+@part
 def _store(l, number, stop, time, steps, q, memory, work, extreme, out):
     out.stop[number] = stop
     out.time[number] = time[l]

@@ -9,7 +9,7 @@ import numpy as np
 from ridedown.network import Channel, Family, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import polynomial
-from ridedown.solver.cache import kernel
+from ridedown.solver.cache import kernel, part
 from ridedown.solver.layout import DEGREE
 
 
@@ -120,7 +120,7 @@ def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent
     )
 
 
-@kernel
+@part
 def _scaled(series, phase, length, sign, p):
     power = sign
     for j in range(DEGREE + 1):
@@ -136,7 +136,7 @@ def _scan_largest(series, length, sense, p, room):
             if sense * sign < 0.0:
                 continue
             _scaled(series, phase, length[phase], sign, p)
-            peak, fraction = polynomial.maximum(p, 0, DEGREE, best, room)
+            peak, fraction = polynomial.maximum(p, best, room)
             if fraction >= 0.0:
                 best, where, at, kept = peak, fraction, phase, sign
     return kept * best, at, where
@@ -150,7 +150,7 @@ def _scan_fall(series, length, p, room):
             return phase, 0.0
         if p[0] == 0.0:
             continue
-        root = polynomial.first_root(p, 0, DEGREE, room)
+        root = polynomial.first_root(p, room)
         if root <= 1.0:
             return phase, root
     return -1, 0.0

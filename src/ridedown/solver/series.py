@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.solver.cache import kernel
+from ridedown.solver.cache import part
 from ridedown.solver.layout import D0, F0, V0, C, K, at, line_at, row
 
 
-@kernel
+@part
 def start(lanes, bar_coordinate, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, d):
     """Tangents and deflections of orders 0 and 1, at the state in q."""
     for b in range(bar_coordinate.size):
@@ -32,7 +32,7 @@ def start(lanes, bar_coordinate, term_start, term_coordinate, term_sign, lever, 
             _deflection(lanes, e, j, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
 
 
-@kernel
+@part
 def _deflection(lanes, e, j, term_start, term_coordinate, term_sign, lever, arm, q, tan, d):
     """d[j] = sum of signed coordinates + arm * tan."""
     first, end = term_start[e], term_start[e + 1]
@@ -55,7 +55,7 @@ def _deflection(lanes, e, j, term_start, term_coordinate, term_sign, lever, arm,
             d[to + l] += arm[a + l] * tan[t + l]
 
 
-@kernel
+@part
 def tangents(lanes, j, bar_coordinate, q, tan, sec2):
     """sec2[j], then tan[j + 1], by T' = (1 + T^2) theta'."""
     share = 1.0 / (j + 1)
@@ -81,7 +81,7 @@ def tangents(lanes, j, bar_coordinate, q, tan, sec2):
                 tan[t + l] += order * sec2[sn + l] * q[qn + l]
 
 
-@kernel
+@part
 def forces(lanes, j, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
     """d[j + 1] of every element, then f[j] by its law's line in its present mode."""
     order = float(j + 1)
@@ -98,7 +98,7 @@ def forces(lanes, j, term_start, term_coordinate, term_sign, lever, arm, line, q
             f[to + l] = line[k + l] * d[dj + l] + order * line[c + l] * d[dk + l]
 
 
-@kernel
+@part
 def accelerations(
     lanes, j, conjugate, parent, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of, sec2, moment, f, acc, q
 ):
@@ -127,7 +127,7 @@ def accelerations(
                 acc[to + l] = a
 
 
-@kernel
+@part
 def _pull(lanes, i, j, pull_start, pull_element, pull_sign, f, acc):
     """What the forces of order j pull body i with."""
     first, end = pull_start[i], pull_start[i + 1]
@@ -150,7 +150,7 @@ def _pull(lanes, i, j, pull_start, pull_element, pull_sign, f, acc):
             acc[to + l] += sign * f[fn + l]
 
 
-@kernel
+@part
 def _turn(lanes, i, j, conjugate, b, pull_start, pull_element, arm, sec2, moment, f, acc):
     """The moment of order j about bar b: the sum of -arm f (eq 4), times sec^2(theta) if work-conjugate."""
     to = at(i, j)

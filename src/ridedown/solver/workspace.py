@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ridedown.network import Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, MEMORY_ROWS, ORDERS, STRIDE
-from ridedown.solver.polynomial import MAX_DEGREE, WORK_SHAPE
+from ridedown.solver.polynomial import WORK_SHAPE
 
 Bools = NDArray[np.bool_]
 
@@ -176,7 +176,7 @@ def lanes_for(network: Network, tracked: int, lanes: int) -> Lanes:
         falling=floats(ORDERS + 2),
         owner=whole(2),
         series=floats(ORDERS),
-        poly=np.zeros(MAX_DEGREE + 1),
+        poly=np.zeros(ORDERS),
         room=np.zeros(WORK_SHAPE),
     )
 
