@@ -87,10 +87,10 @@ class Builder:
 
     def build(self, *, duration: Number) -> Network:
         """The network of all that was added."""
-        numbers: list[Number] = [*self._inertia, *self._speed, *self._arm, duration]
+        numbers = [*self._inertia, *self._speed, *self._arm, duration]
         for law in self._laws:
             numbers += _numbers_of(law)
-        size = max((np.size(x) for x in numbers if np.ndim(x)), default=1)
+        size = max((x.size for x in numbers if isinstance(x, np.ndarray) and x.ndim), default=1)
 
         rates = [s if p < 0 else s - self._speed[p] for s, p in zip(self._speed, self._parent, strict=True)]
         curves = [law if isinstance(law, Curve) else None for law in self._laws]
@@ -151,7 +151,7 @@ def _numbers_of(law: AnyLaw) -> list[Number]:
 
 
 def _columns(values: list[Number], size: int) -> Floats:
-    if size == 1 and not any(np.ndim(v) for v in values):
+    if size == 1:
         return np.array(values, dtype=np.float64).reshape(len(values), 1)
     columns = np.empty((len(values), size))
     for row, value in zip(columns, values, strict=True):
