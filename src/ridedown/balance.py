@@ -142,7 +142,7 @@ def momentum_balance(network: Network, phases: Phases, rate: Floats, direction: 
     initial, final = float(weight @ start), float(weight @ end)
     scale = float(np.abs(weight * start).sum())
     residual = (initial + external + left_out - final) / scale if scale > 0.0 else 0.0
-    return MomentumBalance(initial, final, float(external), float(left_out), residual)
+    return MomentumBalance(initial, final, float(external), float(left_out), float(residual))
 
 
 def _reaches_ground(network: Network, e: int) -> bool:

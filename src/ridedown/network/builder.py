@@ -151,7 +151,7 @@ def _numbers_of(law: AnyLaw) -> list[Number]:
 
 
 def _columns(values: list[Number], size: int) -> Floats:
-    if size == 1:
+    if size == 1 and not any(isinstance(value, np.ndarray) for value in values):
         return np.array(values, dtype=np.float64).reshape(len(values), 1)
     columns = np.empty((len(values), size))
     for row, value in zip(columns, values, strict=True):

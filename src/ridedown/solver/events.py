@@ -74,13 +74,17 @@ def _suspects(lanes, g, guard, d, power, suspect):
         a, b = guard[a0 + l], guard[b0 + l]
         o = base + l
         start = a * (d[o] - guard[d0 + l]) + b * (d[o + stride] - guard[v0 + l])
-        lowest = start
-        for j in range(1, DEGREE):  # unrolled: DEGREE is a constant
+        o += stride
+        slope = (a * d[o] + 2.0 * b * d[o + stride]) * power[row(1) + l]
+        dip = 0.0
+        for j in range(2, DEGREE):  # unrolled: DEGREE is a constant
             o += stride
             c = (a * d[o] + (j + 1.0) * b * d[o + stride]) * power[row(j) + l]
-            lowest += min(c, 0.0)
+            dip += min(c, 0.0)
         round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
-        suspect[l] = 1 - ((lowest > 0.0) & (start > round_off))
+        stays = (start > round_off) & (start + min(slope, 0.0) + dip > 0.0)
+        leaves = (abs(start) <= round_off) & (slope > round_off) & (slope + dip > 0.0)  # zero at the start, and rising
+        suspect[l] = 1 - (stays | leaves)
         count += suspect[l]
     return count
 

@@ -50,8 +50,8 @@ def _add(lanes, source, index, shift, weight, series):
 
 
 @part
-def _bounds(lanes, source, base, power, extreme, end, rise, fall):
-    """The series' value at the end of the step, and how high it and its negative could go at most, beyond the step's ends."""
+def _bounds(lanes, source, base, power, extreme, best, end, rise, fall, suspect):
+    """The series' value at the step's end, how high it and its negative could go at most between, and where that is news."""
     stride = np.uint64(STRIDE)
     for l in range(lanes):
         o = base + l
@@ -75,22 +75,25 @@ def _bounds(lanes, source, base, power, extreme, end, rise, fall):
             slowest -= j * down
         # one that rises or falls throughout does not go beyond its ends
         turns = (slowest < 0.0) & (fastest > 0.0)
+        highest = start + more if turns else -np.inf
+        deepest = less - start if turns else -np.inf
         extreme[end + l] = total
-        extreme[rise + l] = start + more if turns else -np.inf
-        extreme[fall + l] = less - start if turns else -np.inf
+        extreme[rise + l] = highest
+        extreme[fall + l] = deepest
+        suspect[l] = max(max(abs(start), abs(total)), max(highest, deepest)) > extreme[best + l]
 
 
 @part
-def track(lanes, k, sense, source, base, time, step, power, extreme, poly, room):
+def track(lanes, k, sense, source, base, time, step, power, extreme, suspect, poly, room):
     """Raise extreme k by what this step holds of a series, whose row of order 0 starts at `base` in `source`.
 
     `sense`: +1 largest, -1 smallest (kept as its negative), 0 largest magnitude.
     """
     best, when = extreme_at(k, BEST), extreme_at(k, WHEN)
     end, rise, fall = extreme_at(k, END), extreme_at(k, RISE), extreme_at(k, FALL)
-    _bounds(lanes, source, base, power, extreme, end, rise, fall)
+    _bounds(lanes, source, base, power, extreme, best, end, rise, fall, suspect)
     for l in range(lanes):
-        if step[l] > 0.0:
+        if suspect[l] != 0 and step[l] > 0.0:
             start, finish = source[base + l], extreme[end + l]
             low = abs(start) if sense == 0 else sense * start
             high = abs(finish) if sense == 0 else sense * finish

@@ -136,7 +136,7 @@ def march(s, x, w, out, record, tolerance, with_work):
             if not alone or family == extremes.RATE or family == extremes.DEFLECTION_RATE:
                 extremes.gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, lane_series)
                 source, base = lane_series, np.uint64(0)
-            extremes.track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, poly, room)
+            extremes.track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, suspect, poly, room)
         if with_work:
             _add_work(lanes, law.size, power, d, f, work)
         if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:

@@ -25,20 +25,25 @@ _ITERATIONS = 80  # of the bracketed Newton search: bisection alone would need 5
 _NEWTON_DONE = 1e-9  # the error left by a Newton step of this length is of the order of its square
 _DIFFERENCES, _DERIVATIVE = _DEPTH + 1, _DEPTH + 2  # rows to work in, below those of the halvings
 
-_INVERSE_BINOMIAL = np.array(
-    [[1.0 / comb(n, k) if k <= n else 0.0 for k in range(MAX_DEGREE + 1)] for n in range(MAX_DEGREE + 1)]
+_TO_BERNSTEIN = np.array(
+    [
+        [[comb(i, k) / comb(n, k) if k <= i <= n else 0.0 for i in range(MAX_DEGREE + 1)] for k in range(n + 1)]
+        + [[0.0] * (MAX_DEGREE + 1)] * (MAX_DEGREE - n)
+        for n in range(MAX_DEGREE + 1)
+    ]
 )
+"""[n, k, i]: what the power k adds to the Bernstein coefficient i of degree n."""
 
 
 @part
 def _to_bernstein(p, room):
     """Bernstein coefficients on [0, 1], into the first row."""
     n = p.size - 1
-    for k in range(n + 1):
-        room[0, k] = p[k] * _INVERSE_BINOMIAL[n, k]
-    for start in range(n - 1, -1, -1):
-        for i in range(start + 1, n + 1):
-            room[0, i] += room[0, i - 1]
+    for i in range(n + 1):
+        room[0, i] = p[0]
+    for k in range(1, n + 1):
+        for i in range(n + 1):
+            room[0, i] += _TO_BERNSTEIN[n, k, i] * p[k]
 
 
 @part

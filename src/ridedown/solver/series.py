@@ -36,21 +36,22 @@ def start(lanes, bar_coordinate, term_start, term_coordinate, term_sign, lever, 
 def _deflection(lanes, e, j, term_start, term_coordinate, term_sign, lever, arm, q, tan, d):
     """d[j] = sum of signed coordinates + arm * tan."""
     first, end = term_start[e], term_start[e + 1]
-    to = at(e, j)
+    to, a = at(e, j), row(e)
     q1, sign1 = at(term_coordinate[first], j), term_sign[first]
-    if end - first == 1:
-        for l in range(lanes):
-            d[to + l] = sign1 * q[q1 + l]
-    else:
+    if end - first == 2 and lever[e] >= 0:  # a front member: in one go
         q2, sign2 = at(term_coordinate[first + 1], j), term_sign[first + 1]
+        t = at(lever[e], j)
         for l in range(lanes):
-            d[to + l] = sign1 * q[q1 + l] + sign2 * q[q2 + l]
-        for n in range(first + 2, end):
-            qn, sign = at(term_coordinate[n], j), term_sign[n]
-            for l in range(lanes):
-                d[to + l] += sign * q[qn + l]
+            d[to + l] = sign1 * q[q1 + l] + sign2 * q[q2 + l] + arm[a + l] * tan[t + l]
+        return
+    for l in range(lanes):
+        d[to + l] = sign1 * q[q1 + l]
+    for n in range(first + 1, end):
+        qn, sign = at(term_coordinate[n], j), term_sign[n]
+        for l in range(lanes):
+            d[to + l] += sign * q[qn + l]
     if lever[e] >= 0:
-        t, a = at(lever[e], j), row(e)
+        t = at(lever[e], j)
         for l in range(lanes):
             d[to + l] += arm[a + l] * tan[t + l]
 
@@ -75,10 +76,15 @@ def tangents(lanes, j, bar_coordinate, q, tan, sec2):
                 sec2[s + l] += tan[ta + l] * tan[ta + l]
         for l in range(lanes):
             tan[t + l] = sec2[s0 + l] * q[q1 + l]
-        for n in range(1, j + 1):
-            sn, qn, order = at(b, n), at(i, j - n + 1), (j - n + 1) * share
+        for n in range(1, j, 2):  # two terms in one go
+            sa, qa, x = at(b, n), at(i, j - n + 1), (j - n + 1) * share
+            sb, qb, y = at(b, n + 1), at(i, j - n), (j - n) * share
             for l in range(lanes):
-                tan[t + l] += order * sec2[sn + l] * q[qn + l]
+                tan[t + l] += x * sec2[sa + l] * q[qa + l] + y * sec2[sb + l] * q[qb + l]
+        if j % 2 == 1:
+            sn, qn = at(b, j), at(i, 1)
+            for l in range(lanes):
+                tan[t + l] += share * sec2[sn + l] * q[qn + l]
 
 
 @part
@@ -93,9 +99,17 @@ def forces(lanes, j, term_start, term_coordinate, term_sign, lever, arm, line, q
                 spring = line[k + l] * (d[dj + l] - line[d0 + l])
                 f[to + l] = line[f0 + l] + spring + line[c + l] * (d[dk + l] - line[v0 + l])
             continue
-        _deflection(lanes, e, j + 1, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
-        for l in range(lanes):
-            f[to + l] = line[k + l] * d[dj + l] + order * line[c + l] * d[dk + l]
+        first = term_start[e]
+        if term_start[e + 1] - first == 1 and lever[e] < 0:  # a restraint: in one go
+            q1, sign1 = at(term_coordinate[first], j + 1), term_sign[first]
+            for l in range(lanes):
+                new = sign1 * q[q1 + l]
+                d[dk + l] = new
+                f[to + l] = line[k + l] * d[dj + l] + order * line[c + l] * new
+        else:
+            _deflection(lanes, e, j + 1, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
+            for l in range(lanes):
+                f[to + l] = line[k + l] * d[dj + l] + order * line[c + l] * d[dk + l]
 
 
 @part
@@ -108,64 +122,60 @@ def accelerations(
     """
     share = 1.0 / ((j + 1) * (j + 2))
     for i in range(parent.size):
-        to, m = at(i, j), row(i)
+        to, m, qj = at(i, j), row(i), at(i, j + 2)
+        first = pull_start[i]
+        pulls = pull_start[i + 1] - first
         if bar_of[i] >= 0:
-            _turn(lanes, i, j, conjugate, bar_of[i], pull_start, pull_element, arm, sec2, moment, f, acc)
+            _turn(lanes, i, j, conjugate, bar_of[i], pull_start, pull_element, arm, inverse_inertia, sec2, moment, f, acc)
+        elif pulls == 1:  # an occupant
+            f1, sign1 = at(pull_element[first], j), pull_sign[first]
+            for l in range(lanes):
+                acc[to + l] = sign1 * f[f1 + l] * inverse_inertia[m + l]
+        elif pulls == 2:  # a vehicle, or a seat
+            f1, sign1 = at(pull_element[first], j), pull_sign[first]
+            f2, sign2 = at(pull_element[first + 1], j), pull_sign[first + 1]
+            for l in range(lanes):
+                acc[to + l] = (sign1 * f[f1 + l] + sign2 * f[f2 + l]) * inverse_inertia[m + l]
         else:
-            _pull(lanes, i, j, pull_start, pull_element, pull_sign, f, acc)
-        qj = at(i, j + 2)
+            _pull(lanes, i, j, pull_start, pull_element, pull_sign, inverse_inertia, f, acc)
         if parent[i] < 0:
             for l in range(lanes):
-                a = acc[to + l] * inverse_inertia[m + l]
-                acc[to + l] = a
-                q[qj + l] = share * a
+                q[qj + l] = share * acc[to + l]
         else:  # parents come before their children
             above = at(parent[i], j)
             for l in range(lanes):
-                a = acc[to + l] * inverse_inertia[m + l]
-                q[qj + l] = share * (a - acc[above + l])
-                acc[to + l] = a
+                q[qj + l] = share * (acc[to + l] - acc[above + l])
 
 
 @part
-def _pull(lanes, i, j, pull_start, pull_element, pull_sign, f, acc):
-    """What the forces of order j pull body i with."""
-    first, end = pull_start[i], pull_start[i + 1]
-    to = at(i, j)
-    if end == first:
-        for l in range(lanes):
-            acc[to + l] = 0.0
-        return
-    f1, sign1 = at(pull_element[first], j), pull_sign[first]
-    if end - first == 1:
-        for l in range(lanes):
-            acc[to + l] = sign1 * f[f1 + l]
-        return
-    f2, sign2 = at(pull_element[first + 1], j), pull_sign[first + 1]
-    for l in range(lanes):
-        acc[to + l] = sign1 * f[f1 + l] + sign2 * f[f2 + l]
-    for n in range(first + 2, end):
-        fn, sign = at(pull_element[n], j), pull_sign[n]
-        for l in range(lanes):
-            acc[to + l] += sign * f[fn + l]
-
-
-@part
-def _turn(lanes, i, j, conjugate, b, pull_start, pull_element, arm, sec2, moment, f, acc):
-    """The moment of order j about bar b: the sum of -arm f (eq 4), times sec^2(theta) if work-conjugate."""
-    to = at(i, j)
+def _pull(lanes, i, j, pull_start, pull_element, pull_sign, inverse_inertia, f, acc):
+    """acc[j] of a body that any number of elements act on."""
+    to, m = at(i, j), row(i)
     for l in range(lanes):
         acc[to + l] = 0.0
     for n in range(pull_start[i], pull_start[i + 1]):
+        fn, sign = at(pull_element[n], j), pull_sign[n]
+        for l in range(lanes):
+            acc[to + l] += sign * inverse_inertia[m + l] * f[fn + l]
+
+
+@part
+def _turn(lanes, i, j, conjugate, b, pull_start, pull_element, arm, inverse_inertia, sec2, moment, f, acc):
+    """acc[j] of a bar's rotation: the moment, the sum of -arm f (eq 4), times sec^2(theta) if work-conjugate, over the inertia."""
+    to, at_moment, m = at(i, j), at(b, j), row(i)
+    for l in range(lanes):
+        moment[at_moment + l] = 0.0
+    for n in range(pull_start[i], pull_start[i + 1]):
         fn, a = at(pull_element[n], j), row(pull_element[n])
         for l in range(lanes):
-            acc[to + l] -= arm[a + l] * f[fn + l]
-    if conjugate:
-        m = at(b, j)
+            moment[at_moment + l] -= arm[a + l] * f[fn + l]
+    if not conjugate:
         for l in range(lanes):
-            moment[m + l] = acc[to + l]
-            acc[to + l] = 0.0
-        for n in range(j + 1):
-            s, mn = at(b, n), at(b, j - n)
-            for l in range(lanes):
-                acc[to + l] += sec2[s + l] * moment[mn + l]
+            acc[to + l] = moment[at_moment + l] * inverse_inertia[m + l]
+        return
+    for l in range(lanes):
+        acc[to + l] = 0.0
+    for n in range(j + 1):
+        s, mn = at(b, n), at(b, j - n)
+        for l in range(lanes):
+            acc[to + l] += sec2[s + l] * moment[mn + l] * inverse_inertia[m + l]
