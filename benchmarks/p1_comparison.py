@@ -101,9 +101,7 @@ def _scipy() -> Contender:
 
 def _heyoka(stack: ExitStack) -> Iterator[Contender]:
     if importlib.util.find_spec("heyoka") is None:
-        print(
-            "heyoka is not installed, so the strongest peer is missing below. To add it: pip install '.[benchmark]'\n"
-        )
+        print("heyoka is not installed, so the strongest peer is missing below. To add it: pip install '.[benchmark]'\n")
         return
     from benchmarks.peers import heyoka_p1  # noqa: PLC0415  (not always there)
 

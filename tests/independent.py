@@ -154,9 +154,7 @@ class Run:
                 names += [f"{body.name}.{q}" for q in ("relative_displacement", "relative_velocity")]
             if body.vehicle:
                 names += [f"{body.name}.{q}" for q in ("excursion", "excursion_velocity")]
-        return names + [
-            f"{e.name}.{q}" for e in self.system.elements for q in ("force", "deflection", "deflection_rate")
-        ]
+        return names + [f"{e.name}.{q}" for e in self.system.elements for q in ("force", "deflection", "deflection_rate")]
 
     def at(self, channel: str, times: ArrayLike) -> Floats:
         """Values at the times asked for; at an event itself, those just after it."""
@@ -417,9 +415,7 @@ def _crash(scenario: CrashScenario) -> System:
         signs = {car: 1.0} | ({"bar": -1.0 if car == "vehicle1" else 1.0} if bar is not None else {})
         turns = bar is not None and bar.inertia is not None
         acts_on = (*signs, "bar.rotation")
-        elements.append(
-            Element(f"{car}.{side}", _curve(getattr(cars[car], side)), signs, acts_on, arm if turns else 0.0)
-        )
+        elements.append(Element(f"{car}.{side}", _curve(getattr(cars[car], side)), signs, acts_on, arm if turns else 0.0))
     for occupant in scenario.occupants:
         _seat_occupant(occupant, bodies, elements, cars)
     return System(bodies, elements, scenario.duration, bar is None or bar.lever_arm == "work-conjugate")
@@ -431,9 +427,7 @@ def _seat_occupant(occupant: Occupant, bodies: list[Body], elements: list[Elemen
     if occupant.seat is None:
         acts_on = (name, car) if occupant.coupled else (name,)
         bodies.append(Body(name, occupant.mass, speed, car, car))
-        elements.append(
-            Element(f"{name}.restraint", _tie(occupant.restraint, occupant.mass), {name: 1.0, car: -1.0}, acts_on)
-        )
+        elements.append(Element(f"{name}.restraint", _tie(occupant.restraint, occupant.mass), {name: 1.0, car: -1.0}, acts_on))
         return
     seat = f"{name}.seat"
     bodies.append(Body(seat, occupant.seat.mass, speed, car, car))

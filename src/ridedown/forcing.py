@@ -34,7 +34,7 @@ def forcing_channels(
 
 
 def _own_part(network: Network, phases: Phases, known: dict[str, Channel], element: str) -> float:
-    """c v* + k delta*, of one restraint."""
+    """What a restraint adds by itself, c v* + k delta*."""
     e = network.elements.index(element)
     k, c, slack = (float(x[e, 0]) for x in (network.stiffness, network.damping, network.slack))
     return c * _latched(network, phases, known, e) + k * slack

@@ -1,10 +1,10 @@
 """What a table of crashes gives back: named columns of outcomes.
 
-    <channel>.peak          largest magnitude                      <channel>.peak_time   and when [s]
-    <channel>.max, .min     largest and smallest value             <channel>.max_time, .min_time
-    <body>.displacement.final, <body>.velocity.final               at the end
-    <element>.absorbed      work done on an element [J]            <element>.residual    permanent set of a plastic curve [m]
-    energy.initial, energy.final                                   kinetic energy of all bodies [J]
+<channel>.peak          largest magnitude                      <channel>.peak_time   and when [s]
+<channel>.max, .min     largest and smallest value             <channel>.max_time, .min_time
+<body>.displacement.final, <body>.velocity.final               at the end
+<element>.absorbed      work done on an element [J]            <element>.residual    permanent set of a plastic curve [m]
+energy.initial, energy.final                                   kinetic energy of all bodies [J]
 """
 
 from __future__ import annotations
@@ -73,7 +73,8 @@ class Outcomes(Mapping[str, Floats]):
     @property
     def completed(self) -> NDArray[np.bool_]:
         """Shape (R,): which crashes were solved to their end."""
-        return self.status == Status.COMPLETED.value
+        completed: NDArray[np.bool_] = self.status == Status.COMPLETED.value
+        return completed
 
     def failures(self) -> dict[str, int]:
         """How many crashes stopped early, by the sentence that says why."""
@@ -158,7 +159,8 @@ def _value(name: str, plan: Wanted, network: Network, solved: Solved) -> Floats:
     key = _tracked_key(name)
     if key is not None:
         source = solved.best_time if name.endswith("_time") else solved.best
-        return source[plan.tracked_names.index(key)]
+        extreme: Floats = source[plan.tracked_names.index(key)]
+        return extreme
     if name == "energy.initial":
         return kinetic_energy(network, network.rate)
     if name == "energy.final":
@@ -166,10 +168,11 @@ def _value(name: str, plan: Wanted, network: Network, solved: Solved) -> Floats:
     stem, kind = name.rsplit(".", 1)
     if kind == "final":
         state = {Family.POSITION: solved.position, Family.RATE: solved.rate}
-        total: Floats = sum(weight * state[family][index] for family, index, weight in plan.channels[stem].terms)  # type: ignore[assignment]
+        total: Floats = sum(weight * state[family][index] for family, index, weight in plan.channels[stem].terms)
         return total
     element = network.elements.index(stem)
-    return solved.work[element] if kind == "absorbed" else np.maximum(solved.set[element], 0.0)
+    column: Floats = solved.work[element] if kind == "absorbed" else np.maximum(solved.set[element], 0.0)
+    return column
 
 
 def kinetic_energy(network: Network, rate: Floats) -> Floats:

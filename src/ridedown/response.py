@@ -90,9 +90,7 @@ class Response:
     array([13.33 ,  9.205])
     """
 
-    def __init__(
-        self, scenario: CrashScenario | NetworkScenario, network: Network, phases: Phases, status: Status
-    ) -> None:
+    def __init__(self, scenario: CrashScenario | NetworkScenario, network: Network, phases: Phases, status: Status) -> None:
         self.scenario = scenario
         self.network = network
         self.phases = phases if phases.start.size else _first_instant(network, phases)
@@ -328,8 +326,7 @@ class Response:
         data = self.table(times)
         chosen = list(data) if names is None else ["time", *names]
         fields = [
-            pa.field(name, pa.float64(), metadata={"unit": "s" if name == "time" else self.unit(name)})
-            for name in chosen
+            pa.field(name, pa.float64(), metadata={"unit": "s" if name == "time" else self.unit(name)}) for name in chosen
         ]
         return pa.table([data[name] for name in chosen], schema=pa.schema(fields))
 

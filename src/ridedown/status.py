@@ -39,7 +39,8 @@ _SENTENCES = {
     ),
     Status.NOT_FINITE: "a number overflowed. Look for a mass, stiffness or damping that is out of all proportion",
     Status.CHATTER: (
-        "force laws switched on and off without end at one instant, as an initial force f0 does between parts at rest. Give the "
+        "force laws switched on and off without end at one instant, as an initial force f0 does between parts at rest. Give "
+        "the "
         "member a steep first piece instead of f0"
     ),
 }

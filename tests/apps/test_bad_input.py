@@ -100,9 +100,7 @@ def test_a_file_in_the_place_of_the_folder_is_refused_before_any_work(tmp_path, 
     assert taken.read_text() == "mine"
 
 
-@pytest.mark.parametrize(
-    "arguments", [["runn"], ["run"], ["run", "example-wall", "--jsn"], ["--vrsion"], ["schema", "x"]]
-)
+@pytest.mark.parametrize("arguments", [["runn"], ["run"], ["run", "example-wall", "--jsn"], ["--vrsion"], ["schema", "x"]])
 def test_commands_mistyped(arguments):
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 2

@@ -102,9 +102,7 @@ def test_marzbanrads_five_masses() -> None:
     ("name", "rebound", "crush", "tolerance"),
     [("neon-wall", 0.17, 0.736, 0.01), ("expedition-wall", 0.13, 0.672, 0.03)],
 )
-def test_unloading_gives_the_rebound_of_the_wall_test(
-    name: str, rebound: float, crush: float, tolerance: float
-) -> None:
+def test_unloading_gives_the_rebound_of_the_wall_test(name: str, rebound: float, crush: float, tolerance: float) -> None:
     """By energy alone: the curve takes up m v^2/2 at the crush C, and its line gives back F(C)^2/(2 ku) a member."""
     scenario = _crash(name)
     network = lower(scenario)

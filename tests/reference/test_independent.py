@@ -55,9 +55,7 @@ def test_an_elastic_wall_test_is_half_a_swing() -> None:
     rate = np.sqrt(400e3 / 1000.0)
     crush, at = run.maximum("vehicle1.displacement")
     assert crush == pytest.approx(10.0 / rate, rel=1e-13)
-    assert at == pytest.approx(
-        np.pi / 2.0 / rate, rel=1e-7
-    )  # where a peak lies is half as well known as how high it is
+    assert at == pytest.approx(np.pi / 2.0 / rate, rel=1e-7)  # where a peak lies is half as well known as how high it is
     assert [event.time for event in run.events] == pytest.approx([np.pi / rate] * 2, rel=1e-12)
     assert run.at("vehicle1.velocity", 0.2)[0] == pytest.approx(-10.0, rel=1e-12)
 

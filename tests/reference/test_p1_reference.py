@@ -11,9 +11,7 @@ from benchmarks import p1_reference
 
 VECTORS = Path(__file__).resolve().parents[3] / "shared" / "vectors" / "p1.npz"
 
-needs_vectors = pytest.mark.skipif(
-    not VECTORS.exists(), reason="the shared reference answers are not beside this repository"
-)
+needs_vectors = pytest.mark.skipif(not VECTORS.exists(), reason="the shared reference answers are not beside this repository")
 
 
 @needs_vectors

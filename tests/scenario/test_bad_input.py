@@ -154,9 +154,7 @@ def test_a_network_is_refused(network: Change, path: str, value: object, field: 
 
 
 @pytest.mark.parametrize(("stiffness", "ok"), [(4e5, True), (3.9e5, False), (0.0, False)])
-def test_plastic_unloading_is_at_least_as_stiff_as_the_stiffest_piece(
-    crash: Change, stiffness: float, ok: bool
-) -> None:
+def test_plastic_unloading_is_at_least_as_stiff_as_the_stiffest_piece(crash: Change, stiffness: float, ok: bool) -> None:
     data = crash("vehicle1.members.unloading", "plastic")
     data["vehicle1"]["members"]["unloading_stiffness"] = stiffness
     if ok:

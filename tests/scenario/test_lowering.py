@@ -24,10 +24,7 @@ def _terms(network: Network, element: str) -> tuple[dict[str, float], dict[str, 
     moved = slice(network.reaction_start[e], network.reaction_start[e + 1])
     return (
         {names[i]: float(s) for i, s in zip(network.term_coordinate[terms], network.term_sign[terms], strict=True)},
-        {
-            names[i]: float(s)
-            for i, s in zip(network.reaction_coordinate[moved], network.reaction_sign[moved], strict=True)
-        },
+        {names[i]: float(s) for i, s in zip(network.reaction_coordinate[moved], network.reaction_sign[moved], strict=True)},
         float(network.arm[e, 0]),
         None if network.lever[e] < 0 else names[network.lever[e]],
     )

@@ -131,9 +131,7 @@ def test_the_caller_may_change_the_column_afterwards(crash: Change) -> None:
 
 
 def test_networks(network: Change) -> None:
-    many = lower(
-        substitute(load(network()), {"m1.mass": [700.0, 900.0], "front.stiffness": 5.0, "wall-m1.points.1.1": [1, 2]})
-    )
+    many = lower(substitute(load(network()), {"m1.mass": [700.0, 900.0], "front.stiffness": 5.0, "wall-m1.points.1.1": [1, 2]}))
     np.testing.assert_array_equal(many.inertia[0], [700, 900])
     np.testing.assert_array_equal(many.stiffness[0], [5, 5])
     np.testing.assert_array_equal(many.slope[0], [2, 4])
@@ -180,9 +178,7 @@ def test_rules_between_fields_hold_in_every_row(crash: Change) -> None:
         substitute(level, {"bar.lateral_offset": [0.0, 0.1]})
     three = crash("vehicle1.members.pieces.1.until", 0.5)
     three["vehicle1"]["members"]["pieces"].append({"stiffness": 1})
-    with pytest.raises(
-        InvalidInput, match=r"^vehicle1\.members\.pieces\.1\.until: got 0\.5 m in row 1; need more than"
-    ):
+    with pytest.raises(InvalidInput, match=r"^vehicle1\.members\.pieces\.1\.until: got 0\.5 m in row 1; need more than"):
         substitute(load(three), {"vehicle1.members.pieces.0.until": [0.1, 0.5]})
 
 

@@ -130,9 +130,7 @@ def test_every_unit_scales_exactly(data: st.DataObject, number: object, dimensio
 
 
 @given(st.data(), st.sampled_from(DIMENSIONS), st.sampled_from(DIMENSIONS))
-def test_units_of_another_dimension_are_refused_by_its_name(
-    data: st.DataObject, one: Dimension, other: Dimension
-) -> None:
+def test_units_of_another_dimension_are_refused_by_its_name(data: st.DataObject, one: Dimension, other: Dimension) -> None:
     unit = data.draw(st.sampled_from(sorted(other.units)))
     if one is other or not unit:
         return

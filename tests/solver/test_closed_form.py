@@ -257,9 +257,7 @@ def test_pieces_may_be_split_anywhere() -> None:
     tie, times = Tie(STIFFNESS, 0.5 * CRITICAL, 0.005), np.linspace(0.0, 0.12, 40)
     start = State(0.0, 13.33)
     whole, halves = (closed_form.adult(m, MASS, tie, engaged_at=0.0, start=start, times=times) for m in (car, split))
-    np.testing.assert_allclose(
-        halves.acceleration, whole.acceleration, rtol=0.0, atol=1e-12 * np.ptp(whole.acceleration)
-    )
+    np.testing.assert_allclose(halves.acceleration, whole.acceleration, rtol=0.0, atol=1e-12 * np.ptp(whole.acceleration))
 
 
 def test_forcing_functions() -> None:

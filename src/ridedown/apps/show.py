@@ -99,9 +99,7 @@ def tables(*shown: Table) -> None:
 
 
 def _rich(table: Table) -> RichTable:
-    made = RichTable(
-        title=Text(table.caption), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False
-    )
+    made = RichTable(title=Text(table.caption), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for column in table.columns:
         title = f"{column.title}\n{column.unit}" if column.unit else column.title
         made.add_column(Text(title), justify="right" if column.numeric else "left", overflow="fold")

@@ -4,4 +4,16 @@ from ridedown.network.builder import Builder
 from ridedown.network.channels import Channel, Family, channels
 from ridedown.network.model import Curve, KelvinVoigt, Law, Linear, Network, Number, Threshold
 
-__all__ = ["Builder", "Channel", "Curve", "Family", "KelvinVoigt", "Law", "Linear", "Network", "Number", "Threshold", "channels"]
+__all__ = [
+    "Builder",
+    "Channel",
+    "Curve",
+    "Family",
+    "KelvinVoigt",
+    "Law",
+    "Linear",
+    "Network",
+    "Number",
+    "Threshold",
+    "channels",
+]

@@ -1,10 +1,10 @@
 """Channels: the quantities of a network by name, as sums of terms that the solver knows.
 
-    <body>.displacement | velocity | acceleration                absolute, along the body's own forward direction
-    <body>.relative_displacement | relative_velocity             to the body it hangs on (a child to its seat)
-    <body>.excursion | excursion_velocity                        to the vehicle it hangs on in the end
-    <bar> | <bar>_rate                                           rotation of a bar and its rate
-    <element>.force | deflection | deflection_rate
+<body>.displacement | velocity | acceleration                absolute, along the body's own forward direction
+<body>.relative_displacement | relative_velocity             to the body it hangs on (a child to its seat)
+<body>.excursion | excursion_velocity                        to the vehicle it hangs on in the end
+<bar> | <bar>_rate                                           rotation of a bar and its rate
+<element>.force | deflection | deflection_rate
 """
 
 from __future__ import annotations

@@ -120,7 +120,7 @@ class Network:
     @property
     def size(self) -> int:
         """How many crashes the columns hold."""
-        return self.duration.shape[0]
+        return int(self.duration.size)
 
     def coordinate(self, name: str) -> int:
         """Index of the coordinate of that name."""
@@ -138,6 +138,20 @@ class Network:
         """The same network with every column of that length, where it holds a single crash."""
         if self.size == size:
             return self
-        names = ("inertia", "rate", "arm", "stiffness", "damping", "slack", "knot", "force", "slope")
-        wide = {name: np.repeat(getattr(self, name), size, axis=1) for name in names}
-        return replace(self, **wide, duration=np.repeat(self.duration, size))
+
+        def wide(column: Floats) -> Floats:
+            return np.repeat(column, size, axis=-1)
+
+        return replace(
+            self,
+            inertia=wide(self.inertia),
+            rate=wide(self.rate),
+            arm=wide(self.arm),
+            stiffness=wide(self.stiffness),
+            damping=wide(self.damping),
+            slack=wide(self.slack),
+            knot=wide(self.knot),
+            force=wide(self.force),
+            slope=wide(self.slope),
+            duration=wide(self.duration),
+        )

@@ -109,18 +109,14 @@ def _damping(responses: Responses) -> list[Trend]:
     acceleration = [_acceleration(r, "adult") for r in runs]
     spread = _velocity_spread(runs, "adult")
     return [
-        Trend(
-            11, "more damping, less displacement (10, 20, 50 %)", _falls(displacement), _listed(displacement, "m", 3)
-        ),
+        Trend(11, "more damping, less displacement (10, 20, 50 %)", _falls(displacement), _listed(displacement, "m", 3)),
         Trend(
             12,
             f"damping hardly changes the velocity (by less than {INFLUENCE:.0%} of the initial one until all stop)",
             spread < INFLUENCE,
             f"at most {spread:.0%}",
         ),
-        Trend(
-            13, "more damping, less acceleration (10, 20, 50 %)", _falls(acceleration), _listed(acceleration, "g", 1)
-        ),
+        Trend(13, "more damping, less acceleration (10, 20, 50 %)", _falls(acceleration), _listed(acceleration, "g", 1)),
     ]
 
 

@@ -102,9 +102,7 @@ def new_axes(title: str, *, xlabel: str, ylabel: str) -> Axes:
 def draw_line(axes: Axes, x: Any, y: Any, *, label: str, index: int, dash: int | None = None) -> None:
     """A line in the colour of `index`; its dashes follow the index too unless `dash` is given."""
     style = DASHES[(index if dash is None else dash) % len(DASHES)]
-    axes.plot(
-        x, y, color=PALETTE[index % len(PALETTE)], linestyle=style, linewidth=_STYLE["lines.linewidth"], label=label
-    )
+    axes.plot(x, y, color=PALETTE[index % len(PALETTE)], linestyle=style, linewidth=_STYLE["lines.linewidth"], label=label)
 
 
 def mark_point(axes: Axes, x: float, y: float, *, index: int) -> None:

@@ -170,9 +170,7 @@ def momentum(response: Response) -> Table:
         (_LEFT_OUT, number(balance.left_out, 0)),
         ("at the end", number(balance.final, 0)),
     ]
-    kept = [
-        row for row, value in zip(rows, (1.0, balance.external, balance.left_out, 1.0), strict=True) if value != 0.0
-    ]
+    kept = [row for row, value in zip(rows, (1.0, balance.external, balance.left_out, 1.0), strict=True) if value != 0.0]
     return Table(
         "Momentum, along the forward direction of vehicle 1",
         (Column("When", numeric=False), Column("Momentum", "kg m/s")),

@@ -108,9 +108,7 @@ def _toml(path: Path, text: str) -> Any:
         if place := re.search(r" \(at line (\d+), column \d+\)$", what):
             what, line = what[: place.start()], int(place[1])
         what = what.removesuffix(" (at end of document)")
-        raise InvalidInput(
-            f"{path}, line {line}: got a TOML syntax error ({what}); need TOML. Mend that line."
-        ) from None
+        raise InvalidInput(f"{path}, line {line}: got a TOML syntax error ({what}); need TOML. Mend that line.") from None
     except RecursionError:
         raise InvalidInput(f"{path}: got tables nested too deeply; need a scenario. {_EXAMPLE}") from None
 

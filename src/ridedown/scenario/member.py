@@ -45,8 +45,7 @@ class ForceDeflection(Model):
         if self.points is not None:
             deflections, forces = zip(*self.points, strict=True)
             slopes = [
-                (f1 - f0) / (d1 - d0)
-                for d0, d1, f0, f1 in zip(deflections, deflections[1:], forces, forces[1:], strict=False)
+                (f1 - f0) / (d1 - d0) for d0, d1, f0, f1 in zip(deflections, deflections[1:], forces, forces[1:], strict=False)
             ]
             return deflections, forces, (*slopes, 0.0)
         pieces = self.pieces or ()
@@ -119,9 +118,7 @@ class ForceDeflection(Model):
             fix="With points, the first one holds the initial force.",
         )
         first = self.points[0][0]
-        yield Check(
-            "points.0.0", first == 0.0, first, "the first point at deflection 0 m", "Start the table at 0.", "m"
-        )
+        yield Check("points.0.0", first == 0.0, first, "the first point at deflection 0 m", "Start the table at 0.", "m")
         for i in range(1, len(self.points)):
             deflection = self.points[i][0]
             yield Check(

@@ -12,18 +12,24 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
-from numba.core import config
+from numba.core import config as _config
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+# Both are typed too narrowly for what follows: options numba documents for its own use, and a setting read at decoration.
+_njit: Any = numba.njit
+_settings: Any = _config
+
+# `_nrt`: without reference counts, which cost more than the arithmetic; the kernels make no arrays.
 _OPTIONS: dict[str, Any] = {"nogil": True, "_nrt": False, "error_model": "numpy", "fastmath": {"contract"}}
 
 
 def _sources_hash() -> str:
-    digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
+    # numba keeps what it compiled by the path of its source, so another checkout starts cold: its folder is another one
+    digest = hashlib.sha256(f"{numba.__version__} {sys.version} {Path(__file__).resolve()}".encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
@@ -52,26 +58,26 @@ FOLDER = _writable_folder()
 
 def part(function: F) -> F:
     """Compile `function` for other kernels to call; Python cannot."""
-    return numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)  # type: ignore[no-any-return]
+    return cast("F", _njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function))
 
 
 def inlined(function: F) -> F:
     """Put `function`, one line or two, into the kernels that call it."""
-    return numba.njit(inline="always", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)  # type: ignore[no-any-return]
+    return cast("F", _njit(inline="always", no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function))
 
 
 def kernel(function: F) -> F:
     """Compile `function` for Python to call, cached in this version's folder."""
     if FOLDER is None:
-        return numba.njit(**_OPTIONS)(function)  # type: ignore[no-any-return]
-    before = config.CACHE_DIR
-    config.CACHE_DIR = str(FOLDER)  # read by numba when the function is decorated, and only then
+        return cast("F", _njit(**_OPTIONS)(function))
+    before = _settings.CACHE_DIR
+    _settings.CACHE_DIR = str(FOLDER)  # read by numba when the function is decorated, and only then
     try:
-        return numba.njit(cache=True, **_OPTIONS)(function)  # type: ignore[no-any-return]
+        return cast("F", _njit(cache=True, **_OPTIONS)(function))
     except RuntimeError:  # no locator could use the folder
-        return numba.njit(**_OPTIONS)(function)  # type: ignore[no-any-return]
+        return cast("F", _njit(**_OPTIONS)(function))
     finally:
-        config.CACHE_DIR = before
+        _settings.CACHE_DIR = before
 
 
 def is_cold() -> bool:

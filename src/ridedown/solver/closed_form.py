@@ -64,8 +64,7 @@ class VehicleMotion:
         breaks, coefficients = np.asarray(self.breaks, dtype=float), np.asarray(self.coefficients, dtype=float)
         if coefficients.ndim != 2 or breaks.shape != (len(coefficients) + 1,):
             raise InvalidInput(
-                f"breaks, coefficients: got shapes {breaks.shape}, {coefficients.shape};"
-                " need (n + 1,) and (n, degree + 1)."
+                f"breaks, coefficients: got shapes {breaks.shape}, {coefficients.shape}; need (n + 1,) and (n, degree + 1)."
             )
         if not np.all(np.diff(breaks) > 0.0):
             raise InvalidInput("breaks: got times out of order; need each later than the one before.")
@@ -137,9 +136,7 @@ def seat_forcing(vehicle: VehicleMotion, seat: Tie, harness: Tie, times: ArrayLi
     return adult_forcing(vehicle, seat, times) - harness_forcing(harness)
 
 
-def adult(
-    vehicle: VehicleMotion, mass: float, tie: Tie, *, engaged_at: float, start: State, times: ArrayLike
-) -> Motion:
+def adult(vehicle: VehicleMotion, mass: float, tie: Tie, *, engaged_at: float, start: State, times: ArrayLike) -> Motion:
     """Motion of an adult on an engaged restraint: eq 25 solved by eqs 27-29, exact to round-off.
 
     Parameters

@@ -134,7 +134,7 @@ def _note(g, l, root, power, event):
 
 @part
 def _solve_together(count, falling, owner, power, event):
-    """Newton's method on `count` polynomials that fall through zero once on [0, 1], all at once; those unsettled by bisection."""
+    """Newton's method on `count` polynomials that fall through zero once on [0, 1], all at once; by bisection, the rest."""
     t, moved = row(DEGREE + 1), row(DEGREE + 2)
     n = np.uint64(count)
     stride = np.uint64(STRIDE)

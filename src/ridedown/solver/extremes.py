@@ -80,7 +80,7 @@ def _bounds(lanes, source, base, power, extreme, best, end, rise, fall, suspect)
         extreme[end + l] = total
         extreme[rise + l] = highest
         extreme[fall + l] = deepest
-        suspect[l] = max(max(abs(start), abs(total)), max(highest, deepest)) > extreme[best + l]
+        suspect[l] = max(abs(start), abs(total), highest, deepest) > extreme[best + l]
 
 
 @part

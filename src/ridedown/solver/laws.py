@@ -36,6 +36,7 @@ DAMPED, UNDAMPED = 1, 2
 STIFFNESS, DAMPING, SLACK = range(3)
 KNOT, FORCE, SLOPE = range(3)
 
+
 @part
 def _set_line(line, e, l, k, c, d0, v0, f0):
     line[line_at(e, K) + l] = k

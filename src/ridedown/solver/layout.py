@@ -28,7 +28,7 @@ A, B, GD0, GV0 = range(4)
 GUARD_ROWS = 4
 
 LATCH, SET, PIECE = range(3)
-"""Rows of a law's memory. Threshold: v*. Plastic: largest deflection so far, permanent set, piece it unloaded from (0: never)."""
+"""Rows of a law's memory. Threshold: v*. Plastic: largest deflection so far, permanent set, piece unloaded from (0: never)."""
 MEMORY_ROWS = 3
 
 BEST, WHEN, END, RISE, FALL = range(5)

@@ -78,10 +78,12 @@ def march(s, x, w, out, record, tolerance, with_work):
         for l in range(lanes):
             if crash[l] == NO_CRASH and taken < duration.size:
                 _load(
-                    l, taken, x.inertia, x.rate, x.arm, crash, time, last, steps, idle, pending_count, q, inverse_inertia, scale, arm
+                    l, taken, x.inertia, x.rate, x.arm, crash, time, last, steps, idle, pending_count, q, inverse_inertia,
+                    scale, arm,
                 )  # fmt: skip
                 _open(
-                    l, taken, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked_sense.size, extreme
+                    l, taken, law, piece_start, coefficients, pieces, line, guard, memory, mode, work,
+                    tracked_sense.size, extreme,
                 )  # fmt: skip
                 taken += 1
                 active += 1
@@ -133,19 +135,21 @@ def march(s, x, w, out, record, tolerance, with_work):
             elif family == extremes.FORCE:
                 source = f
             alone = tracked_start[k + 1] == first + 1 and tracked_weight[first] == 1.0
-            if not alone or family == extremes.RATE or family == extremes.DEFLECTION_RATE:
-                extremes.gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, lane_series)
+            if not alone or family in (extremes.RATE, extremes.DEFLECTION_RATE):
+                extremes.gather(
+                    lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, lane_series
+                )
                 source, base = lane_series, np.uint64(0)
             extremes.track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, suspect, poly, room)
         if with_work:
             _add_work(lanes, law.size, power, d, f, work)
         if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:
-            _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, record.count)
+            _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, record.kept)
         _advance(lanes, parent.size, step, time, steps, idle, q, scale)
 
         for l in range(lanes):
             if crash[l] >= 0:
-                stop = _stop_of(l, last, steps, idle, scale, bars, q, phases.shape[0], record.count[0], log)
+                stop = _stop_of(l, last, steps, idle, scale, bars, q, phases.shape[0], record.kept[0], log)
                 if stop != GOING:
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH
@@ -179,8 +183,8 @@ def _load(
 def _open(l, number, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked, extreme):
     """Every law of lane l open, as before the crash, and nothing tracked yet."""
     for e in range(law.size):
-        for part in range(MEMORY_ROWS):
-            memory[memory_at(e, part) + l] = 0.0
+        for slot in range(MEMORY_ROWS):
+            memory[memory_at(e, slot) + l] = 0.0
         work[row(e) + l] = 0.0
         laws.enter(e, l, number, laws.OPEN, law, piece_start, coefficients, pieces, line, guard, memory, mode)
     for k in range(tracked):
@@ -259,9 +263,9 @@ def _add_work(lanes, elements, power, d, f, work):
 
 
 @part
-def _keep_phase(coordinates, elements, time, step, q, d, f, phases, count):
+def _keep_phase(coordinates, elements, time, step, q, d, f, phases, kept):
     """Keep lane 0's series of this step: time, length, then q, d and f by order."""
-    n = count[0]
+    n = kept[0]
     phases[n, 0, 0] = time
     phases[n, 0, 1] = step
     for j in range(DEGREE + 1):
@@ -270,7 +274,7 @@ def _keep_phase(coordinates, elements, time, step, q, d, f, phases, count):
         for e in range(elements):
             phases[n, j + 1, coordinates + e] = d[at(e, j)]
             phases[n, j + 1, coordinates + elements + e] = f[at(e, j)] if j < DEGREE else 0.0
-    count[0] += 1
+    kept[0] += 1
 
 
 @part

@@ -53,7 +53,7 @@ class Phases:
         """Values of a series at times [s] within the crash; at an event, those just after it."""
         phase = np.clip(np.searchsorted(self.start, time, side="right") - 1, 0, self.start.size - 1)
         local = time - self.start[phase]
-        value = series[phase, DEGREE]
+        value: Floats = series[phase, DEGREE]
         for order in range(DEGREE - 1, -1, -1):
             value = value * local + series[phase, order]
         return value

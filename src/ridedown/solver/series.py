@@ -4,8 +4,8 @@ With the coefficients of the positions up to order j + 1 known, those of the for
 them the positions' of order j + 2: `q[j+2] = acceleration[j] / ((j + 1)(j + 2))`. The tangent of a bar's rotation has its own
 recurrence, `T' = (1 + T^2) theta'`.
 
-Series in rows as `layout.at` says: q and acc of the coordinates (acc absolute), d and f of the elements, tan, sec2 and moment of
-the bars.
+Series in rows as `layout.at` says: q and acc of the coordinates (acc absolute), d and f of the elements, tan, sec2 and moment
+of the bars.
 """
 
 from __future__ import annotations
@@ -161,7 +161,7 @@ def _pull(lanes, i, j, pull_start, pull_element, pull_sign, inverse_inertia, f, 
 
 @part
 def _turn(lanes, i, j, conjugate, b, pull_start, pull_element, arm, inverse_inertia, sec2, moment, f, acc):
-    """acc[j] of a bar's rotation: the moment, the sum of -arm f (eq 4), times sec^2(theta) if work-conjugate, over the inertia."""
+    """acc[j] of a bar's rotation: the moment, the sum of -arm f (eq 4), times sec^2(theta) if conjugate, over the inertia."""
     to, at_moment, m = at(i, j), at(b, j), row(i)
     for l in range(lanes):
         moment[at_moment + l] = 0.0

@@ -18,11 +18,12 @@ TOLERANCE = 1e-8
 """The last acceleration terms of a step, over the crash's own scale of acceleration. Truncation falls well below it."""
 
 _ONE_LANES = 4  # one crash takes one lane; the processor works on four at a time anyway
+_NO_WORK = False
 _CAPACITY = 256  # phases kept at first; eight times as many where that is too few
 _NOTHING = workspace.Tracked(
     start=np.zeros(1, dtype=np.int64),
     family=np.zeros(0, dtype=np.int64),
-    index=np.zeros(0, dtype=np.int64),
+    item=np.zeros(0, dtype=np.int64),
     weight=np.zeros(0),
     sense=np.zeros(0, dtype=np.int64),
 )
@@ -49,7 +50,7 @@ def tracked(quantities: Sequence[tuple[Channel, int]]) -> workspace.Tracked:
     return workspace.Tracked(
         start=np.cumsum([0, *(len(channel.terms) for channel, _ in quantities)], dtype=np.int64),
         family=np.array([family for family, _, _ in terms], dtype=np.int64),
-        index=np.array([index for _, index, _ in terms], dtype=np.int64),
+        item=np.array([index for _, index, _ in terms], dtype=np.int64),
         weight=np.array([weight for _, _, weight in terms], dtype=np.float64),
         sense=np.array([sense for _, sense in quantities], dtype=np.int64),
     )
@@ -82,9 +83,9 @@ def solve_one(network: Network) -> tuple[Phases, Stop]:
     capacity = _CAPACITY
     while True:
         record = workspace.record_for(network, capacity)
-        march(structure, numbers, lanes, results, record, TOLERANCE, False)
+        march(structure, numbers, lanes, results, record, TOLERANCE, _NO_WORK)
         if results.stop[0] != Stop.RECORD_FULL:
             break
         capacity *= 8
-    phases = phases_of(network, int(record.count[0]), record.phases, record.log, results.set[:, 0])
+    phases = phases_of(network, int(record.kept[0]), record.phases, record.log, results.set[:, 0])
     return phases, Stop(int(results.stop[0]))

@@ -10,7 +10,7 @@ b bar, g guard (two to an element), l lane.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, 
 from ridedown.solver.polynomial import WORK_SHAPE
 
 Bools = NDArray[np.bool_]
-
 
 
 class Structure(NamedTuple):
@@ -107,7 +106,7 @@ class Tracked(NamedTuple):
 
     start: Ints  # (k + 1,)
     family: Ints
-    index: Ints
+    item: Ints
     weight: Floats
     sense: Ints  # (k,) +1 largest, -1 smallest, 0 largest magnitude
 
@@ -129,7 +128,7 @@ class Results(NamedTuple):
 class Record(NamedTuple):
     """The phases of one crash and its changes of mode, as `march` notes them down."""
 
-    count: Ints  # (1,) phases
+    kept: Ints  # (1,) how many phases
     phases: Floats  # (n, ORDERS + 1, columns) first row: time, step; then the series by order, columns q, d, f
     log: Floats  # (n + 1, 4) first row: how many; then time, element, mode before, mode after
 
@@ -201,7 +200,7 @@ def record_for(network: Network, capacity: int) -> Record:
     """Room for `capacity` phases of one crash, and as many events."""
     columns = max(len(network.coordinates) + 2 * len(network.elements), 2)
     return Record(
-        count=np.zeros(1, dtype=np.int64),
+        kept=np.zeros(1, dtype=np.int64),
         phases=np.empty((capacity, DEGREE + 2, columns)),
         log=np.zeros((capacity + 1, 4)),
     )
@@ -233,7 +232,7 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         piece_start=network.piece_start,
         tracked_start=tracked.start,
         tracked_family=tracked.family,
-        tracked_index=tracked.index,
+        tracked_index=tracked.item,
         tracked_weight=tracked.weight,
         tracked_sense=tracked.sense,
     )
