@@ -17,7 +17,7 @@ class ElementEnergy:
     """The energy of one element [J].
 
     absorbed: work done on it, the integral of its force over its deflection. stored: what it could still give back at the end.
-    dissipated: the rest. left_out: work that the model does not book on any body, as that of a belt on a car taken to be too
+    dissipated: the rest, counting in what a linear tie with slack, which starts out pushing, held at the start. left_out: work that the model does not book on any body, as that of a belt on a car taken to be too
     heavy to notice (`coupled = false`), or of the printed lever arm law, whose moment is not work-conjugate (eq 4).
     """
 
@@ -65,7 +65,7 @@ def energy_balance(network: Network, phases: Phases, rate: Floats) -> EnergyBala
         absorbed = phases.integral_of_product(force, own)
         left_out = phases.integral_of_product(force, _booked_rate(network, phases, e, own) - own)
         stored = _stored(network, phases, e)
-        elements[name] = ElementEnergy(absorbed, stored, absorbed - stored, left_out)
+        elements[name] = ElementEnergy(absorbed, stored, absorbed + _stored_at_start(network, e) - stored, left_out)
         lost += absorbed + left_out
     initial = float(kinetic_energy(network, network.rate)[0])
     final = float(kinetic_energy(network, rate[:, None])[0])
@@ -92,6 +92,11 @@ def _booked_rate(network: Network, phases: Phases, e: int, own: Floats) -> Float
 
 def _rate(phases: Phases, coordinate: int) -> Floats:
     return phases.series(Channel("", "", ((Family.RATE, coordinate, 1.0),)))
+
+
+def _stored_at_start(network: Network, e: int) -> float:
+    """The energy that an element holds undeflected: that of a linear tie, engaged on either side of its slack."""
+    return 0.5 * float(network.stiffness[e, 0] * network.slack[e, 0] ** 2) if network.law[e] == Law.LINEAR else 0.0
 
 
 def _stored(network: Network, phases: Phases, e: int) -> float:

@@ -87,7 +87,7 @@ class Response:
     >>> round(response.maximum("adult.excursion").value, 6)  # m
     0.207102
     >>> response.at("vehicle1.velocity", [0.0, 0.05]).round(3)  # m/s
-    array([13.33 ,  9.205])
+    array([13.33 , 10.262])
     """
 
     def __init__(self, scenario: CrashScenario | NetworkScenario, network: Network, phases: Phases, status: Status) -> None:

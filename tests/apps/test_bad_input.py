@@ -21,7 +21,7 @@ GOOD = {
     "bar": {"mass": "40 kg", "inertia": "157 kg m2", "rail_spacing": "1.1 m", "lateral_offset": "0.8 m"},
     "occupants": [{"kind": "adult", "mass": "80 kg", "restraint": {"stiffness": "98.1 kN/m", "slack": "5 mm"}}],
 }
-MISSING = object()
+MISSING = "(left out)"
 
 TABLE = [
     # what is set, to what, and what the sentence says
