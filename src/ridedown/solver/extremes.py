@@ -25,28 +25,19 @@ def gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weigh
             series[to + l] = 0.0
     for n in range(tracked_start[k], tracked_start[k + 1]):
         family, index, weight = tracked_family[n], tracked_index[n], tracked_weight[n]
-        if family == POSITION:
-            _add(lanes, q, index, 0, weight, series)
-        elif family == RATE:
-            _add(lanes, q, index, 1, weight, series)
-        elif family == ACCELERATION:
-            _add(lanes, acc, index, 0, weight, series)
-        elif family == DEFLECTION:
-            _add(lanes, d, index, 0, weight, series)
-        elif family == DEFLECTION_RATE:
-            _add(lanes, d, index, 1, weight, series)
-        else:
-            _add(lanes, f, index, 0, weight, series)
-
-
-@part
-def _add(lanes, source, index, shift, weight, series):
-    """Add weight * a series, or `shift` = 1 times differentiated."""
-    for j in range(DEGREE + 1 - shift):
-        to, of = row(j), at(index, j + shift)
-        factor = weight if shift == 0 else weight * (j + 1.0)
-        for l in range(lanes):
-            series[to + l] += factor * source[of + l]
+        source = q
+        if family == ACCELERATION:
+            source = acc
+        elif family in (DEFLECTION, DEFLECTION_RATE):
+            source = d
+        elif family == FORCE:
+            source = f
+        shift = 1 if family in (RATE, DEFLECTION_RATE) else 0
+        for j in range(DEGREE + 1 - shift):
+            to, of = row(j), at(index, j + shift)
+            factor = weight if shift == 0 else weight * (j + 1.0)
+            for l in range(lanes):
+                series[to + l] += factor * source[of + l]
 
 
 @part

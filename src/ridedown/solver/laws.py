@@ -37,74 +37,72 @@ STIFFNESS, DAMPING, SLACK = range(3)
 KNOT, FORCE, SLOPE = range(3)
 
 
-@part
-def _set_line(line, e, l, k, c, d0, v0, f0):
-    line[line_at(e, K) + l] = k
-    line[line_at(e, C) + l] = c
-    line[line_at(e, D0) + l] = d0
-    line[line_at(e, V0) + l] = v0
-    line[line_at(e, F0) + l] = f0
-
-
-@part
-def _set_guard(guard, g, l, a, b, d0, v0):
-    guard[guard_at(g, A) + l] = a
-    guard[guard_at(g, B) + l] = b
-    guard[guard_at(g, GD0) + l] = d0
-    guard[guard_at(g, GV0) + l] = v0
+_NEVER = -1e300
+"""Reference of a guard that is never negative."""
 
 
 @part
 def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guard, memory, mode):
     """Put element e of lane l, which carries this crash, into mode `after`: its line of force and its guards."""
-    g = 2 * e
-    mode[row(e) + l] = after
-    _set_line(line, e, l, 0.0, 0.0, 0.0, 0.0, 0.0)
-    _set_guard(guard, g, l, 1.0, 0.0, -1e300, 0.0)  # never negative
-    _set_guard(guard, g + 1, l, 1.0, 0.0, -1e300, 0.0)
-    if law[e] == ELASTIC or law[e] == PLASTIC:
-        _enter_curve(e, l, crash, after, law[e] == PLASTIC, piece_start, coefficients, pieces, line, guard, memory)
-        return
-    k, c, slack = coefficients[STIFFNESS, e, crash], coefficients[DAMPING, e, crash], coefficients[SLACK, e, crash]
+    k, c, d0, v0, f0 = 0.0, 0.0, 0.0, 0.0, 0.0
+    a1, b1, d1, v1 = 1.0, 0.0, _NEVER, 0.0
+    a2, b2, d2, v2 = 1.0, 0.0, _NEVER, 0.0
+    stiffness, damping, slack = (
+        coefficients[STIFFNESS, e, crash],
+        coefficients[DAMPING, e, crash],
+        coefficients[SLACK, e, crash],
+    )
     if law[e] == LINEAR:
-        _set_line(line, e, l, k, c, slack, 0.0, 0.0)
+        k, c, d0 = stiffness, damping, slack
+    elif law[e] == ELASTIC or law[e] == PLASTIC:
+        first, end = piece_start[e], piece_start[e + 1]
+        p = first + after - 1
+        shortest = max(memory[memory_at(e, SET) + l], 0.0)  # deflection up to which the member does not touch
+        if after == OPEN:
+            a1, d1 = -1.0, shortest
+        elif p < end:
+            k, d0, f0 = pieces[SLOPE, p, crash], pieces[KNOT, p, crash], pieces[FORCE, p, crash]  # eq 9
+            if law[e] == PLASTIC:
+                a1, b1, d1 = 0.0, 1.0, 0.0
+            else:
+                d1 = d0
+            if p + 1 < end:
+                a2, d2 = -1.0, pieces[KNOT, p + 1, crash]
+        else:
+            k, d0 = stiffness, memory[memory_at(e, SET) + l]
+            d1 = shortest
+            a2, d2 = -1.0, memory[memory_at(e, LATCH) + l]
     elif after == OPEN:
-        _set_guard(guard, g, l, -1.0, 0.0, slack, 0.0)
+        a1, d1 = -1.0, slack
     elif law[e] == KELVIN_VOIGT:
         if after == TAUT:
-            _set_line(line, e, l, k, c, slack, 0.0, 0.0)
-            _set_guard(guard, g, l, k, c, slack, 0.0)
+            k, c, d0 = stiffness, damping, slack
+            a1, b1, d1 = stiffness, damping, slack
         else:
-            _set_guard(guard, g, l, -k, -c, slack, 0.0)
-            _set_guard(guard, g + 1, l, 1.0, 0.0, slack, 0.0)
+            a1, b1, d1 = -stiffness, -damping, slack
+            d2 = slack
     else:
-        damped = after == DAMPED
         v_star = memory[memory_at(e, LATCH) + l]
-        _set_line(line, e, l, k, c if damped else 0.0, slack, v_star, 0.0)  # eqs 13-18
-        _set_guard(guard, g, l, 1.0, 0.0, slack, 0.0)
-        _set_guard(guard, g + 1, l, 0.0, 1.0 if damped else -1.0, 0.0, v_star)
+        k, d0, v0 = stiffness, slack, v_star  # eqs 13-18
+        c = damping if after == DAMPED else 0.0
+        d1 = slack
+        a2, b2, d2, v2 = 0.0, 1.0 if after == DAMPED else -1.0, 0.0, v_star
+    mode[row(e) + l] = after
+    line[line_at(e, K) + l] = k
+    line[line_at(e, C) + l] = c
+    line[line_at(e, D0) + l] = d0
+    line[line_at(e, V0) + l] = v0
+    line[line_at(e, F0) + l] = f0
+    _guard(2 * e, l, a1, b1, d1, v1, guard)
+    _guard(2 * e + 1, l, a2, b2, d2, v2, guard)
 
 
 @part
-def _enter_curve(e, l, crash, after, plastic, piece_start, coefficients, pieces, line, guard, memory):
-    g = 2 * e
-    first, end = piece_start[e], piece_start[e + 1]
-    shortest = max(memory[memory_at(e, SET) + l], 0.0)  # deflection up to which the member does not touch
-    if after == OPEN:
-        _set_guard(guard, g, l, -1.0, 0.0, shortest, 0.0)
-    elif after <= end - first:
-        p = first + after - 1
-        _set_line(line, e, l, pieces[SLOPE, p, crash], 0.0, pieces[KNOT, p, crash], 0.0, pieces[FORCE, p, crash])  # eq 9
-        if plastic:
-            _set_guard(guard, g, l, 0.0, 1.0, 0.0, 0.0)
-        else:
-            _set_guard(guard, g, l, 1.0, 0.0, pieces[KNOT, p, crash], 0.0)
-        if p + 1 < end:
-            _set_guard(guard, g + 1, l, -1.0, 0.0, pieces[KNOT, p + 1, crash], 0.0)
-    else:
-        _set_line(line, e, l, coefficients[STIFFNESS, e, crash], 0.0, memory[memory_at(e, SET) + l], 0.0, 0.0)
-        _set_guard(guard, g, l, 1.0, 0.0, shortest, 0.0)
-        _set_guard(guard, g + 1, l, -1.0, 0.0, memory[memory_at(e, LATCH) + l], 0.0)
+def _guard(g, l, a, b, d0, v0, guard):
+    guard[guard_at(g, A) + l] = a
+    guard[guard_at(g, B) + l] = b
+    guard[guard_at(g, GD0) + l] = d0
+    guard[guard_at(g, GV0) + l] = v0
 
 
 @part

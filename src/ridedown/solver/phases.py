@@ -9,7 +9,6 @@ import numpy as np
 from ridedown.network import Channel, Family, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import polynomial
-from ridedown.solver.cache import kernel, part
 from ridedown.solver.layout import DEGREE
 
 
@@ -60,13 +59,40 @@ class Phases:
 
     def largest(self, series: Floats, sense: int) -> tuple[float, float]:
         """The largest (sense 1), smallest (-1) or farthest from zero (0) value of a series, with its sign, and its time [s]."""
-        value, phase, fraction = _largest(series, self.length, sense)
-        return float(value), float(self.start[phase] + fraction * self.length[phase])
+        best, where = -np.inf, (0, 0.0)
+        sign_of_best = 1.0
+        room = np.zeros(polynomial.WORK_SHAPE)
+        for sign in (1.0, -1.0):
+            if sense * sign < 0.0:
+                continue
+            scaled = sign * series * self._powers
+            bounds = scaled[:, 0] + np.maximum(scaled[:, 1:], 0.0).sum(axis=1)  # no phase goes higher than its own
+            for phase in range(self.start.size):
+                if bounds[phase] > best:
+                    peak, fraction = polynomial.maximum(scaled[phase], best, room)
+                    if fraction >= 0.0:
+                        best, where, sign_of_best = peak, (phase, fraction), sign
+        phase, fraction = where
+        return float(sign_of_best * best), float(self.start[phase] + fraction * self.length[phase])
 
     def first_fall(self, series: Floats) -> float | None:
         """The first time [s] at which a series that starts positive turns negative, or None."""
-        phase, fraction = _first_fall(series, self.length)
-        return None if phase < 0 else float(self.start[phase] + fraction * self.length[phase])
+        scaled = series * self._powers
+        floors = scaled[:, 0] + np.minimum(scaled[:, 1:], 0.0).sum(axis=1)
+        room = np.zeros(polynomial.WORK_SHAPE)
+        for phase in np.flatnonzero(floors <= 0.0):
+            if scaled[phase, 0] < 0.0:
+                return float(self.start[phase])
+            root = polynomial.first_root(scaled[phase], room) if scaled[phase].any() else polynomial.NO_ROOT
+            if root <= 1.0:
+                return float(self.start[phase] + root * self.length[phase])
+        return None
+
+    @property
+    def _powers(self) -> Floats:
+        """Powers of each phase's length, (n, DEGREE + 1)."""
+        powers: Floats = self.length[:, None] ** np.arange(DEGREE + 1)
+        return powers
 
     def integral_of_product(self, first: Floats, second: Floats) -> float:
         """The integral over the whole crash of the product of two series, exact."""
@@ -118,49 +144,3 @@ def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent
         set=permanent,
         chains=tuple(network.chain(i) for i in range(n)),
     )
-
-
-@part
-def _scaled(series, phase, length, sign, p):
-    power = sign
-    for j in range(DEGREE + 1):
-        p[j] = series[phase, j] * power
-        power *= length
-
-
-@kernel
-def _scan_largest(series, length, sense, p, room):
-    best, where, at, kept = -np.inf, 0.0, 0, 1.0
-    for phase in range(length.size):
-        for sign in (1.0, -1.0):
-            if sense * sign < 0.0:
-                continue
-            _scaled(series, phase, length[phase], sign, p)
-            peak, fraction = polynomial.maximum(p, best, room)
-            if fraction >= 0.0:
-                best, where, at, kept = peak, fraction, phase, sign
-    return kept * best, at, where
-
-
-@kernel
-def _scan_fall(series, length, p, room):
-    for phase in range(length.size):
-        _scaled(series, phase, length[phase], 1.0, p)
-        if p[0] < 0.0:
-            return phase, 0.0
-        if p[0] == 0.0:
-            continue
-        root = polynomial.first_root(p, room)
-        if root <= 1.0:
-            return phase, root
-    return -1, 0.0
-
-
-def _largest(series: Floats, length: Floats, sense: int) -> tuple[float, int, float]:
-    return _scan_largest(  # type: ignore[no-any-return]
-        series, length, sense, np.zeros(DEGREE + 1), np.zeros(polynomial.WORK_SHAPE)
-    )
-
-
-def _first_fall(series: Floats, length: Floats) -> tuple[int, float]:
-    return _scan_fall(series, length, np.zeros(DEGREE + 1), np.zeros(polynomial.WORK_SHAPE))  # type: ignore[no-any-return]
