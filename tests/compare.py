@@ -29,7 +29,7 @@ def assert_alike(
     rtol: float,
     channels: Iterable[str] | None = None,
     other_name: Callable[[str], str] = str,
-    factor: Callable[[str], float] = lambda name: 1.0,
+    factor: Callable[[str], float] = lambda _: 1.0,
     times: NDArray[np.float64] | None = None,
 ) -> None:
     """Same continuous channels at all times, and same peaks, relative to each channel's peak.
@@ -42,6 +42,8 @@ def assert_alike(
         twin, times_it = other_name(name), factor(name)
         peak = one.peak(name).value
         size = max(abs(peak), SMALLEST[one.unit(name)])
-        np.testing.assert_allclose(one.at(name, grid), times_it * other.at(twin, grid), atol=rtol * size, rtol=0.0, err_msg=name)
+        np.testing.assert_allclose(
+            one.at(name, grid), times_it * other.at(twin, grid), atol=rtol * size, rtol=0.0, err_msg=name
+        )
         if times is None:
             assert abs(other.peak(twin).value * times_it) == pytest.approx(abs(peak), abs=rtol * size), name

@@ -83,7 +83,9 @@ def test_a_heavy_vehicle_that_stands_is_a_wall() -> None:
 @pytest.mark.parametrize("law", LAWS)
 def test_critical_damping_is_nothing_special(law: str) -> None:
     def belt(ratio: float) -> Any:
-        return simulate(substitute(load("paper-adult-full"), {"adult.restraint.damping_ratio": ratio})).peak("adult.acceleration")
+        return simulate(substitute(load("paper-adult-full"), {"adult.restraint.damping_ratio": ratio})).peak(
+            "adult.acceleration"
+        )
 
     below, at, above = (belt(ratio).value for ratio in (1.0 - 1e-9, 1.0, 1.0 + 1e-9))
     assert below == pytest.approx(at, rel=1e-8)
@@ -92,7 +94,9 @@ def test_critical_damping_is_nothing_special(law: str) -> None:
 
 def test_plastic_along_its_own_slope_is_elastic_while_it_does_not_reload() -> None:
     def wall(**unloading: Any) -> CrashScenario:
-        return CrashScenario(vehicle1={"mass": 1500.0, "speed": 10.0, "members": {"pieces": [{"stiffness": 200e3}], **unloading}})
+        return CrashScenario(
+            vehicle1={"mass": 1500.0, "speed": 10.0, "members": {"pieces": [{"stiffness": 200e3}], **unloading}}
+        )
 
     elastic = simulate(wall())
     plastic = simulate(wall(unloading="plastic", unloading_stiffness=200e3))

@@ -81,7 +81,9 @@ def test_any_network(seed: int) -> None:
 
 def table(rows: int) -> dict[str, np.ndarray]:
     """P1 with everything that occupants and cars are made of spread by a fifth, and some rows that turn the bar over."""
-    spread = {number.path: number.value * RNG.uniform(0.8, 1.2, rows) for number in parameters(load("p1")) if number.value > 0.0}
+    spread = {
+        number.path: number.value * RNG.uniform(0.8, 1.2, rows) for number in parameters(load("p1")) if number.value > 0.0
+    }
     del spread["duration"]
     spread["bar.inertia"][::50] = 20.0
     return spread
@@ -105,7 +107,9 @@ def test_neighbours_do_not_matter() -> None:
     few = RNG.choice(rows, 45, replace=False)
     equal(simulate_many(load("p1"), {path: column[few] for path, column in columns.items()}), whole, few)
     for row in few[:5]:
-        equal(simulate_many(load("p1"), {path: column[row : row + 1] for path, column in columns.items()}), whole, few[few == row])
+        equal(
+            simulate_many(load("p1"), {path: column[row : row + 1] for path, column in columns.items()}), whole, few[few == row]
+        )
 
 
 def test_threads_do_not_matter() -> None:

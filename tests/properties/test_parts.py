@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from ridedown import simulate
 from ridedown.scenario import CrashScenario, NetworkScenario
 from tests import samples
-from tests.samples import examples
 from tests.compare import SMALLEST, assert_alike, continuous
+from tests.samples import examples
 
 SEEDS = st.integers(0, 10**6)
 FORCES = ("stiffness", "damping", "initial_force", "unloading_stiffness")

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from ridedown import Response, simulate
 from ridedown.scenario import CrashScenario
 from tests import samples
-from tests.samples import examples
 from tests.compare import assert_alike
+from tests.samples import examples
 
 SEEDS = st.integers(0, 10**6)
 MASSES = {"mass", "inertia"}

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from ridedown import simulate
 from ridedown.scenario import CrashScenario
 from tests import samples
-from tests.samples import examples
 from tests.compare import assert_alike, continuous
+from tests.samples import examples
 
 SEEDS = st.integers(0, 10**6)
 RTOL = 1e-8  # the sums are taken in another order, and what is stiff between light parts makes rounding grow
@@ -82,7 +82,11 @@ def test_from_the_other_vehicle(seed: int) -> None:
 
 def test_alike_cars_head_on_leave_the_bar_where_it_is() -> None:
     data = _two_vehicles(3)
-    car = {"mass": 1500.0, "speed": 13.33, "members": {"pieces": [{"stiffness": 118.2e3, "until": 0.356}, {"stiffness": 465e3}]}}
+    car = {
+        "mass": 1500.0,
+        "speed": 13.33,
+        "members": {"pieces": [{"stiffness": 118.2e3, "until": 0.356}, {"stiffness": 465e3}]},
+    }
     data |= {"vehicle1": car, "vehicle2": car, "bar": {"mass": 40.0, "inertia": 157.0, "rail_spacing": 1.1}}
     response = simulate(CrashScenario(**data))
     for channel in ("bar.displacement", "bar.velocity", "bar.rotation", "bar.rotation_rate"):

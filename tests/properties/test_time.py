@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from ridedown import Response, simulate
 from ridedown.scenario import NetworkScenario
 from tests import samples
-from tests.samples import examples
 from tests.compare import assert_alike, continuous
+from tests.samples import examples
 
 
 def before(response: Response, time: float) -> list[tuple[str, str, float]]:
@@ -45,8 +45,22 @@ def fall(gap: float) -> NetworkScenario:
         duration=0.1 + gap / 10.0,
         masses=[{"name": "car", "mass": 1000.0, "speed": 10.0}, {"name": "rider", "mass": 75.0, "speed": 10.0}],
         elements=[
-            {"name": "front", "between": ["wall", "car"], "law": "kelvin-voigt", "stiffness": 300e3, "damping": 2e3, "slack": gap},
-            {"name": "late", "between": ["wall", "car"], "law": "threshold", "stiffness": 200e3, "damping": 4e3, "slack": gap + 0.1},
+            {
+                "name": "front",
+                "between": ["wall", "car"],
+                "law": "kelvin-voigt",
+                "stiffness": 300e3,
+                "damping": 2e3,
+                "slack": gap,
+            },
+            {
+                "name": "late",
+                "between": ["wall", "car"],
+                "law": "threshold",
+                "stiffness": 200e3,
+                "damping": 4e3,
+                "slack": gap + 0.1,
+            },
             {"name": "belt", "between": ["car", "rider"], "law": "threshold", "stiffness": 80e3, "damping": 2e3, "slack": 0.02},
         ],
     )

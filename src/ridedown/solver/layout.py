@@ -14,7 +14,7 @@ from ridedown.solver.cache import inlined
 STRIDE = 72
 """Lanes there is room for; how many are in use is up to the caller."""
 
-DEGREE = 14
+DEGREE = 16
 """Degree of the position series; accelerations have degree DEGREE - 2."""
 
 ORDERS = DEGREE + 1

@@ -14,7 +14,7 @@ from ridedown.solver.layout import STRIDE
 from ridedown.solver.march import Stop, march
 from ridedown.solver.phases import Phases, phases_of
 
-TOLERANCE = 1e-8
+TOLERANCE = 4e-9
 """The last acceleration terms of a step, over the crash's own scale of acceleration. Truncation falls well below it."""
 
 _ONE_LANES = 4  # one crash takes one lane; the processor works on four at a time anyway
