@@ -17,7 +17,8 @@ class ElementEnergy:
     """The energy of one element [J].
 
     absorbed: work done on it, the integral of its force over its deflection. stored: what it could still give back at the end.
-    dissipated: the rest, counting in what a linear tie with slack, which starts out pushing, held at the start. left_out: work that the model does not book on any body, as that of a belt on a car taken to be too
+    dissipated: the rest, counting in what a linear tie with slack, which starts out pushing, held at the start. left_out: work
+    that the model does not book on any body, as that of a belt on a car taken to be too
     heavy to notice (`coupled = false`), or of the printed lever arm law, whose moment is not work-conjugate (eq 4).
     """
 

@@ -45,7 +45,7 @@ def test_a_bar_that_may_turn_but_need_not(name: str) -> None:
     fixed = full.model_copy(update={"bar": full.bar.model_copy(update={"inertia": None})})
     free, held = simulate(full), simulate(fixed)
     assert_alike(held, free, rtol=1e-9)
-    assert free.peak("bar.rotation").value == pytest.approx(0.0, abs=1e-14)
+    assert free.peak("bar.rotation").value == pytest.approx(0.0, abs=1e-8)
 
 
 @pytest.mark.parametrize("name", PAPER[2:])
@@ -101,7 +101,7 @@ def test_plastic_along_its_own_slope_is_elastic_while_it_does_not_reload() -> No
     elastic = simulate(wall())
     plastic = simulate(wall(unloading="plastic", unloading_stiffness=200e3))
     assert_alike(elastic, plastic, rtol=1e-9)
-    assert plastic.vehicles["vehicle1"].residual_crush == pytest.approx(0.0, abs=1e-14)
+    assert plastic.vehicles["vehicle1"].residual_crush == pytest.approx(0.0, abs=1e-8)
 
 
 def test_a_weightless_engine_between_two_springs_is_their_series() -> None:

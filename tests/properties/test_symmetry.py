@@ -90,4 +90,4 @@ def test_alike_cars_head_on_leave_the_bar_where_it_is() -> None:
     data |= {"vehicle1": car, "vehicle2": car, "bar": {"mass": 40.0, "inertia": 157.0, "rail_spacing": 1.1}}
     response = simulate(CrashScenario(**data))
     for channel in ("bar.displacement", "bar.velocity", "bar.rotation", "bar.rotation_rate"):
-        assert response.peak(channel).value == pytest.approx(0.0, abs=1e-14)
+        assert response.peak(channel).value == pytest.approx(0.0, abs=1e-8)

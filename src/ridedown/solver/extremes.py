@@ -41,8 +41,8 @@ def gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weigh
 
 
 @part
-def _bounds(lanes, source, base, power, extreme, best, end, rise, fall, suspect):
-    """The series' value at the step's end, how high it and its negative could go at most between, and where that is news."""
+def _bounds(lanes, source, base, power, extreme, end, rise, fall):
+    """The series' value at the end of the step, and how high it and its negative could go at most between."""
     stride = np.uint64(STRIDE)
     for l in range(lanes):
         o = base + l
@@ -66,12 +66,9 @@ def _bounds(lanes, source, base, power, extreme, best, end, rise, fall, suspect)
             slowest -= j * down
         # one that rises or falls throughout does not go beyond its ends
         turns = (slowest < 0.0) & (fastest > 0.0)
-        highest = start + more if turns else -np.inf
-        deepest = less - start if turns else -np.inf
         extreme[end + l] = total
-        extreme[rise + l] = highest
-        extreme[fall + l] = deepest
-        suspect[l] = max(abs(start), abs(total), highest, deepest) > extreme[best + l]
+        extreme[rise + l] = start + more if turns else -np.inf
+        extreme[fall + l] = less - start if turns else -np.inf
 
 
 @part
@@ -82,7 +79,11 @@ def track(lanes, k, sense, source, base, time, step, power, extreme, suspect, po
     """
     best, when = extreme_at(k, BEST), extreme_at(k, WHEN)
     end, rise, fall = extreme_at(k, END), extreme_at(k, RISE), extreme_at(k, FALL)
-    _bounds(lanes, source, base, power, extreme, best, end, rise, fall, suspect)
+    _bounds(lanes, source, base, power, extreme, end, rise, fall)
+    for l in range(lanes):
+        now = extreme[best + l]
+        ends = (abs(source[base + l]) > now) | (abs(extreme[end + l]) > now)
+        suspect[l] = ends | (extreme[rise + l] > now) | (extreme[fall + l] > now)
     for l in range(lanes):
         if suspect[l] != 0 and step[l] > 0.0:
             start, finish = source[base + l], extreme[end + l]

@@ -19,7 +19,7 @@ import numpy as np
 
 from ridedown.solver import events, extremes, laws, series
 from ridedown.solver.cache import kernel, part
-from ridedown.solver.layout import BEST, DEGREE, MEMORY_ROWS, SET, WHEN, at, extreme_at, memory_at, row
+from ridedown.solver.layout import BEST, DEGREE, MEMORY_ROWS, SET, STRIDE, WHEN, at, extreme_at, memory_at, row
 
 
 class Stop(IntEnum):
@@ -42,6 +42,8 @@ STEP_LIMIT = 100_000
 _BAR_LIMIT = 1.4  # rad: tan has its pole at pi/2
 _IDLE_ALL = 6  # steps of no length in which every negative guard may change its mode at once; then one at a time
 _IDLE_LIMIT = 60  # steps of no length before a crash is given up as chattering
+_GAUSS = np.polynomial.legendre.leggauss(DEGREE + 1)  # exact to twice the degree
+_NODES, _WEIGHTS = 0.5 * (1.0 + _GAUSS[0]), 0.5 * _GAUSS[1]
 _BRAKING_TIME = 0.05  # s: a crash brakes its speed in about so long; sets the scale of acceleration
 
 
@@ -108,7 +110,9 @@ def march(s, x, w, out, record, tolerance, with_work):
                     sec2, moment, f, acc, q,
                 )  # fmt: skip
 
-        _choose_steps(lanes, parent.size, tolerance, crash, duration, time, scale, q, step, last, power)
+        _choose_steps(
+            lanes, parent.size, bars.size, tolerance, crash, duration, time, scale, idle, w.trial, q, tan, step, last, power
+        )
         events.find(
             lanes, 2 * law.size, guard, d, crash, last, step, power, event, pending, pending_count, suspect, falling, owner,
             poly, room,
@@ -142,7 +146,7 @@ def march(s, x, w, out, record, tolerance, with_work):
                 source, base = lane_series, np.uint64(0)
             extremes.track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, suspect, poly, room)
         if with_work:
-            _add_work(lanes, law.size, power, d, f, work)
+            _add_work(lanes, law.size, step, d, f, work)
         if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:
             _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, record.kept)
         _advance(lanes, parent.size, step, time, steps, idle, q, scale)
@@ -211,31 +215,42 @@ def _change(g, l, number, time, d, law, piece_start, coefficients, pieces, line,
 
 
 @part
-def _choose_steps(lanes, coordinates, tolerance, crash, duration, time, scale, q, step, last, power):
-    """The length of each lane's step, from its last two acceleration coefficients, and no further than the end."""
-    top, below = row(0), row(1)
-    for l in range(lanes):
-        power[top + l] = 0.0
-        power[below + l] = 0.0
-    for i in range(coordinates):
-        highest, second = at(i, DEGREE), at(i, DEGREE - 1)
+def _choose_steps(lanes, coordinates, bars, tolerance, crash, duration, time, scale, idle, trial, q, tan, step, last, power):
+    """The length of each lane's step, from its last acceleration coefficients, and no further than the end.
+
+    If they fall off as scale / r^n, the step is the same fraction of r whichever of them is looked at. Four are: in a motion
+    from rest, or one that is even in time, every second or three in four are zero. The tangents are looked at too: under
+    constant forces they alone go on for ever.
+    """
+    for j in range(DEGREE - 3, DEGREE + 1):
+        largest = row(j)
         for l in range(lanes):
-            power[top + l] = max(power[top + l], abs(q[highest + l]))
-            power[below + l] = max(power[below + l], abs(q[second + l]))
+            power[largest + l] = 0.0
+        for i in range(coordinates):
+            of = at(i, j)
+            for l in range(lanes):
+                power[largest + l] = max(power[largest + l], abs(q[of + l]))
+        for b in range(bars):
+            of = at(b, j)
+            for l in range(lanes):
+                power[largest + l] = max(power[largest + l], abs(tan[of + l]))
+    share = tolerance ** (1.0 / (DEGREE - 2))
     for l in range(lanes):
         last[l] = False
         step[l] = 0.0
         if crash[l] < 0:
             continue
-        goal = tolerance * scale[l]
-        h = np.inf
-        if power[top + l] > 0.0:
-            h = (goal / (DEGREE * (DEGREE - 1) * power[top + l])) ** (1.0 / (DEGREE - 2))
-        if power[below + l] > 0.0:
-            h = min(h, (goal / ((DEGREE - 1) * (DEGREE - 2) * power[below + l])) ** (1.0 / (DEGREE - 3)))
+        inverse = 0.0  # of r
+        for j in range(DEGREE - 3, DEGREE + 1):
+            coefficient = j * (j - 1) * power[row(j) + l] / scale[l]
+            if coefficient > 0.0:
+                inverse = max(inverse, coefficient ** (1.0 / (j - 2)))
+        h = share / inverse if inverse > 0.0 else np.inf
+        # while modes settle, the step they are read on never grows: so what is round-off in one mode is in the next
+        trial[l] = min(h, trial[l]) if idle[l] > 0 else h
         remaining = duration[crash[l]] - time[l]
-        last[l] = not h < remaining
-        step[l] = remaining if last[l] else h
+        last[l] = not trial[l] < remaining
+        step[l] = remaining if last[l] else trial[l]
     _powers(lanes, step, power)
 
 
@@ -250,16 +265,25 @@ def _powers(lanes, step, power):
 
 
 @part
-def _add_work(lanes, elements, power, d, f, work):
-    """Work done on each element in this step: the integral of f d' dt, term by term."""
+def _add_work(lanes, elements, step, d, f, work):
+    """Work done on each element in this step: the integral of f d' dt, exact by Gauss's rule."""
+    stride = np.uint64(STRIDE)
     for e in range(elements):
-        to = row(e)
-        for a in range(DEGREE):
-            for b in range(DEGREE - a):
-                share = (b + 1) / (a + b + 1)
-                fa, db, p = at(e, a), at(e, b + 1), row(a + b + 1)
-                for l in range(lanes):
-                    work[to + l] += share * f[fa + l] * d[db + l] * power[p + l]
+        to, top_f, top_d = row(e), at(e, DEGREE - 1), at(e, DEGREE)
+        for n in range(_NODES.size):
+            for l in range(lanes):
+                t = _NODES[n] * step[l]
+                o = top_f + l
+                force = f[o]
+                for _j in range(DEGREE - 1):  # unrolled: DEGREE is a constant
+                    o -= stride
+                    force = force * t + f[o]
+                o = top_d + l
+                rate = DEGREE * d[o]
+                for j in range(DEGREE - 1, 0, -1):
+                    o -= stride
+                    rate = rate * t + float(j) * d[o]
+                work[to + l] += _WEIGHTS[n] * step[l] * force * rate
 
 
 @part

@@ -14,8 +14,8 @@ from ridedown.solver.layout import STRIDE
 from ridedown.solver.march import Stop, march
 from ridedown.solver.phases import Phases, phases_of
 
-TOLERANCE = 4e-9
-"""The last acceleration terms of a step, over the crash's own scale of acceleration. Truncation falls well below it."""
+TOLERANCE = 3e-8
+"""What the last acceleration terms of a step may come to, over the crash's own scale. The truncation that is left is far smaller."""
 
 _ONE_LANES = 4  # one crash takes one lane; the processor works on four at a time anyway
 _NO_WORK = False

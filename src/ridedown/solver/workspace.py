@@ -68,6 +68,7 @@ class Lanes(NamedTuple):
     last: Bools  # whether this step ends the crash
     steps: Ints
     idle: Ints  # steps of no length since the crash last advanced
+    trial: Floats  # the length of step that its modes are read on
     scale: Floats  # the acceleration that the step control measures against
     power: Floats  # rows by order: powers of the step; then the event's fraction of it
     # series, rows by index and order
@@ -151,6 +152,7 @@ def lanes_for(network: Network, tracked: int, lanes: int) -> Lanes:
         last=np.zeros(STRIDE, dtype=np.bool_),
         steps=whole(1),
         idle=whole(1),
+        trial=floats(1),
         scale=floats(1),
         power=floats(ORDERS + 1),
         q=floats(n * ORDERS),
