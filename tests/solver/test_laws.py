@@ -43,7 +43,10 @@ def latched(response: Response, e: int, times: Floats) -> Floats:
     """The rate at which the slack was last taken up, v* of eq 16."""
     phases = response.phases
     closed = (phases.event_element == e) & (phases.event_before == laws.OPEN)
-    at, rate = phases.event_time[closed], response.at(f"{response.network.elements[e]}.deflection_rate", phases.event_time[closed])
+    at, rate = (
+        phases.event_time[closed],
+        response.at(f"{response.network.elements[e]}.deflection_rate", phases.event_time[closed]),
+    )
     before = np.searchsorted(at, times, side="right") - 1
     return np.where(before >= 0, rate[np.maximum(before, 0)] if rate.size else 0.0, np.inf)
 
@@ -108,8 +111,8 @@ def test_an_elastic_curve_goes_up_and_back() -> None:
     work = 0.5 * 100e3 * 0.2**2
     rest = 0.5 * 1000.0 * 10.0**2 - work  # 1/2 k2 e^2 + F e
     beyond = (np.sqrt(20e3**2 + 2.0 * 300e3 * rest) - 20e3) / 300e3
-    assert response.maximum("front.deflection").value == pytest.approx(0.2 + beyond, rel=1e-12)
-    assert response.at("m.velocity", 0.8) == pytest.approx(-10.0, rel=1e-12)
+    assert response.maximum("front.deflection").value == pytest.approx(0.2 + beyond, rel=1e-10)
+    assert response.at("m.velocity", 0.8) == pytest.approx(-10.0, rel=1e-10)
 
 
 @pytest.mark.parametrize("f0", [0.0, 5e3])
@@ -119,10 +122,10 @@ def test_a_plastic_curve_keeps_its_set(f0: float) -> None:
     assert story(response) == ["contact", "starts to unload", "contact lost"]
     top = (np.sqrt(f0**2 + 100e3 * 1000.0 * 10.0**2) - f0) / 100e3
     force = f0 + 100e3 * top
-    assert response.maximum("front.deflection").value == pytest.approx(top, rel=1e-12)
-    assert response.phases.set[0] == pytest.approx(top - force / 1e6, rel=1e-12)
+    assert response.maximum("front.deflection").value == pytest.approx(top, rel=1e-10)
+    assert response.phases.set[0] == pytest.approx(top - force / 1e6, rel=1e-10)
     given_back = 0.5 * force**2 / 1e6
-    assert response.at("m.velocity", 0.8) == pytest.approx(-np.sqrt(2.0 * given_back / 1000.0), rel=1e-11)
+    assert response.at("m.velocity", 0.8) == pytest.approx(-np.sqrt(2.0 * given_back / 1000.0), rel=1e-10)
 
 
 def test_a_plastic_curve_is_met_again_where_it_was_left_and_crushed_on() -> None:
@@ -143,8 +146,8 @@ def test_a_plastic_curve_is_met_again_where_it_was_left_and_crushed_on() -> None
     times = {what: next(e.time for e in response.events if (e.who, e.what) == ("front", what)) for what in whole}
     left, met, on = (times[what] for what in whole[2:])
     d_left, d_met, d_on = response.at("front.deflection", [left, met, on])
-    assert d_met == pytest.approx(d_left, rel=1e-12)
-    assert d_on == pytest.approx(float(response.at("front.deflection", times["starts to unload"])), rel=1e-12)
+    assert d_met == pytest.approx(d_left, rel=1e-10)
+    assert d_on == pytest.approx(float(response.at("front.deflection", times["starts to unload"])), rel=1e-10)
     assert_lawful(response)
 
 
@@ -166,7 +169,7 @@ def test_a_belt_that_its_damper_outweighs_does_not_push() -> None:
     assert response.minimum("front.force").value == 0.0
     closed = response.events[0]
     assert closed.time == pytest.approx(0.005, rel=1e-14)
-    assert response.at("front.force", closed.time) == pytest.approx(12e3 * 10.0, rel=1e-12)  # c v at once
+    assert response.at("front.force", closed.time) == pytest.approx(12e3 * 10.0, rel=1e-10)  # c v at once
     assert response.at("front.force", closed.time - 1e-9) == 0.0
 
 
@@ -174,19 +177,27 @@ def test_the_paper_s_damper_counts_from_the_speed_at_which_the_slack_was_taken_u
     response = one_mass({"law": "threshold", "stiffness": 100e3, "damping": 12e3, "slack": 0.05})
     # the mass only slows down, so that v never exceeds v* and the damper never acts
     assert [what for what in story(response) if what != "damping ends"] == ["slack taken up", "slack again"]
-    assert response.at("m.velocity", 0.8) == pytest.approx(-10.0, rel=1e-11)
+    assert response.at("m.velocity", 0.8) == pytest.approx(-10.0, rel=1e-10)
     assert response.energy.elements["front"].dissipated == pytest.approx(0.0, abs=1e-6)
 
 
 def test_the_paper_s_damper_latches_anew_each_time() -> None:
-    # a belt in a car that brakes, speeds up again and brakes: closes twice, at two speeds
+    # in a car that swings to and fro, the seat throws the rider into the belt again
     response = simulate(
         NetworkScenario(
             duration=2.0,
             masses=[{"name": "car", "mass": 1e5, "speed": 10.0}, {"name": "rider", "mass": 75.0, "speed": 10.0}],
             elements=[
                 {"name": "swing", "between": ["wall", "car"], "stiffness": 4e7},
-                {"name": "belt", "between": ["car", "rider"], "law": "threshold", "stiffness": 80e3, "damping": 2e3, "slack": 0.1},
+                {
+                    "name": "belt",
+                    "between": ["car", "rider"],
+                    "law": "threshold",
+                    "stiffness": 80e3,
+                    "damping": 2e3,
+                    "slack": 0.1,
+                },
+                {"name": "seat", "between": ["rider", "car"], "pieces": [{"stiffness": 80e3}]},
             ],
         )
     )

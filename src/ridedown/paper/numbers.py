@@ -9,7 +9,7 @@ from ridedown.paper.cases import Case, G, Responses
 
 DISPLACEMENT = "relative displacement, m"
 ACCELERATION = "peak acceleration, g"
-_ROUNDING = {DISPLACEMENT: 0.005, ACCELERATION: 0.5}
+ROUNDING = {DISPLACEMENT: 0.005, ACCELERATION: 0.5}
 """Half a unit of the last printed digit."""
 
 
@@ -42,7 +42,7 @@ class Headline:
     @property
     def rounds_to_print(self) -> bool:
         """Whether ours, rounded as the paper rounds, is what the paper prints."""
-        return abs(self.ours - self.paper) <= _ROUNDING[self.quantity]
+        return abs(self.ours - self.paper) <= ROUNDING[self.quantity]
 
     def to_dict(self) -> dict[str, object]:
         """Ready for JSON."""

@@ -77,23 +77,43 @@ def _signs(b, n):
 
 
 @part
+def _value(p, t):
+    total = p[p.size - 1]
+    for k in range(p.size - 2, -1, -1):
+        total = total * t + p[k]
+    return total
+
+
+@part
 def _only_root(p, low, high):
-    """The one root in [low, high]: Newton from the secant's crossing, kept in its bracket."""
+    """The one root between low and high of a polynomial that starts positive there and ends negative.
+
+    Newton from the secant's crossing, kept in its bracket. An end of the interval may itself be a root, for halvings like to
+    end at roots that are round numbers: the bracket is drawn in first until both its ends have a sign of their own.
+    """
     n = p.size - 1
-    at_low, at_high = p[n], p[n]
-    for k in range(n - 1, -1, -1):
-        at_low = at_low * low + p[k]
-        at_high = at_high * high + p[k]
-    falling = at_low > at_high
-    t = low + (high - low) * at_low / (at_low - at_high)
-    if not (low < t < high):
+    round_off = 0.0
+    for k in range(n + 1):
+        round_off += 1e-15 * abs(p[k])
+    at_low, at_high = _value(p, low), _value(p, high)
+    for _ in range(_ITERATIONS):
+        if at_low > round_off and at_high < -round_off:
+            break
         t = 0.5 * (low + high)
+        f = _value(p, t)
+        if f > round_off or (f >= -round_off and at_low <= round_off):
+            low, at_low = t, f
+        else:
+            high, at_high = t, f
+        if high - low <= 4e-16:
+            return high
+    t = low + (high - low) * at_low / (at_low - at_high)
     for _ in range(_ITERATIONS):
         f, slope = p[n], 0.0
         for k in range(n - 1, -1, -1):
             slope = slope * t + f
             f = f * t + p[k]
-        if (f > 0.0) == falling:
+        if f > 0.0:
             low = t
         else:
             high = t
@@ -172,9 +192,7 @@ def maximum(p, best, room):
             split = changes == 2 and depth < _DEPTH
             if changes == 1 and first > 0:
                 t = _only_root(room[_DERIVATIVE, :n], start, start + width)
-                peak = p[n]
-                for k in range(n - 1, -1, -1):
-                    peak = peak * t + p[k]
+                peak = _value(p, t)
                 if peak > best:
                     best, where = peak, t
         if split:
