@@ -10,7 +10,6 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ridedown.paper import cases
 from ridedown.paper.cases import G
 from ridedown.paper.numbers import ACCELERATION, PRINTED, Printed
 from ridedown.scenario import CrashScenario, load, substitute
@@ -53,7 +52,7 @@ UNKNOWNS = (
     Unknown("left knee, m", 0.1, 0.9, _members(_LEFT, "pieces.0.until")),
     Unknown("left second stiffness, N/m", 200e3, 3e6, _members(_LEFT, "pieces.1.stiffness"), by_ratio=True),
     Unknown("lateral offset, m", 0.2, 1.04, (_OFFSET,)),
-    Unknown("bar inertia, kg m2", 5.0, 150.0, ("bar.inertia",), by_ratio=True),
+    Unknown("bar inertia, kg m2", 10.0, 200.0, ("bar.inertia",)),
 )
 
 
@@ -74,7 +73,9 @@ def values_of(points: Floats) -> Floats:
     """Points of the unit cube, shape (..., n), as values of the unknowns, SI."""
     lower, upper = (np.array([getattr(u, side) for u in UNKNOWNS]) for side in ("lower", "upper"))
     by_ratio = np.array([u.by_ratio for u in UNKNOWNS])
-    values: Floats = np.where(by_ratio, lower * (upper / lower) ** points, lower + (upper - lower) * points)
+    values: Floats = np.where(
+        by_ratio, lower * (upper / np.where(by_ratio, lower, 1.0)) ** points, lower + (upper - lower) * points
+    )
     return values
 
 
