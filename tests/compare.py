@@ -13,7 +13,7 @@ from ridedown import Response
 STATE = ("displacement", "velocity", "rotation", "rotation_rate", "deflection")
 """Channels that are continuous, so that a crash solved in another way may be compared at any time."""
 
-SMALLEST = {"m": 0.1, "m/s": 1.0, "rad": 0.1, "rad/s": 1.0, "m/s2": 10.0, "N": 100.0}
+SMALLEST = {"m": 0.1, "m/s": 10.0, "rad": 0.1, "rad/s": 10.0, "m/s2": 10.0, "N": 100.0}
 """What counts as nothing, by unit: a part that only rounding moves has no relative accuracy."""
 
 

@@ -178,7 +178,7 @@ def test_the_paper_s_damper_counts_from_the_speed_at_which_the_slack_was_taken_u
     # the mass only slows down, so that v never exceeds v* and the damper never acts
     assert [what for what in story(response) if what != "damping ends"] == ["slack taken up", "slack again"]
     assert response.at("m.velocity", 0.8) == pytest.approx(-10.0, rel=1e-10)
-    assert response.energy.elements["front"].dissipated == pytest.approx(0.0, abs=1e-6)
+    assert response.energy.elements["front"].dissipated == pytest.approx(0.0, abs=1e-4)  # of 50 kJ
 
 
 def test_the_paper_s_damper_latches_anew_each_time() -> None:

@@ -23,6 +23,11 @@ def p1(**values: float) -> CrashScenario:
     return substitute(load("p1"), {path.replace("__", "."): value for path, value in values.items()})
 
 
+def overturning() -> CrashScenario:
+    """The members' second pieces give way."""
+    return substitute(load("p1"), {f"vehicle{n}.members.pieces.1.stiffness": 0.0 for n in (1, 2)})
+
+
 def at_rest_on_a_jump() -> CrashScenario:
     """The bar stands against the members of a vehicle that stands: they push back only once they are crushed."""
     soft, jump = {"pieces": [{"stiffness": 200e3}]}, {"initial_force": 20e3, "pieces": [{"stiffness": 200e3}]}
@@ -54,14 +59,13 @@ def assert_usable(response: Response) -> None:
 @pytest.mark.parametrize(
     ("scenario", "status"),
     [
-        (p1(bar__inertia=20.0), Status.BAR_TURNED),
+        (overturning(), Status.BAR_TURNED),
         (p1(bar__mass=1e-300), Status.NOT_FINITE),
         (p1(vehicle1__mass=1e-300), Status.NOT_FINITE),
-        (p1(adult__restraint__damping=1e300), Status.NOT_FINITE),
         (at_rest_on_a_jump(), Status.CHATTER),
         (stiff(), Status.TOO_MANY_STEPS),
     ],
-    ids=["bar turned", "bar of no mass", "vehicle of no mass", "damper like a rock", "at rest on a jump", "too stiff"],
+    ids=["bar turned", "bar of no mass", "vehicle of no mass", "at rest on a jump", "too stiff"],
 )
 def test_a_crash_that_stops_says_why_and_leaves_what_it_has(scenario: Any, status: Status) -> None:
     with pytest.raises(SimulationStopped) as stopped:
@@ -80,7 +84,7 @@ def test_a_crash_that_stops_says_why_and_leaves_what_it_has(scenario: Any, statu
 
 
 def test_the_bar_stops_short_of_its_pole() -> None:
-    response = simulate(p1(bar__inertia=20.0), throw=False)
+    response = simulate(overturning(), throw=False)
     assert 1.3 < abs(response.peak("bar.rotation").value) < math.pi / 2.0
 
 
@@ -139,7 +143,14 @@ def test_parts_that_move_together_until_one_is_stopped_do_not_chatter() -> None:
             {"name": "a", "between": ["m1", "m2"], "pieces": [{"stiffness": 500e3}]},
             {"name": "b", "between": ["m2", "m3"], "pieces": [{"stiffness": 130e3}]},
             {"name": "c", "between": ["m3", "m4"], "law": "kelvin-voigt", "stiffness": 32e3},
-            {"name": "late", "law": "kelvin-voigt", "between": ["wall", "m4"], "stiffness": 7650.0, "damping": 500.0, "slack": 0.01},
+            {
+                "name": "late",
+                "law": "kelvin-voigt",
+                "between": ["wall", "m4"],
+                "stiffness": 7650.0,
+                "damping": 500.0,
+                "slack": 0.01,
+            },
         ],
     )
     many = simulate_many(chain, {"late.slack": np.geomspace(1e-4, 0.1, 4000)})

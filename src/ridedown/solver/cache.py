@@ -73,7 +73,7 @@ def kernel(function: F) -> F:
     before = _settings.CACHE_DIR
     _settings.CACHE_DIR = str(FOLDER)  # read by numba when the function is decorated, and only then
     try:
-        return cast("F", _njit(cache=True, **_OPTIONS)(function))
+        return cast("F", _njit(cache=True, no_cfunc_wrapper=True, **_OPTIONS)(function))
     except RuntimeError:  # no locator could use the folder
         return cast("F", _njit(**_OPTIONS)(function))
     finally:
