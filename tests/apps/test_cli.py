@@ -114,7 +114,6 @@ def test_a_terminal_without_unicode_is_no_reason_to_stop():
 COMMAND = [sys.executable, "-m", "ridedown.apps.cli"]
 
 
-
 SPINNING_BAR = """
 [vehicle1]
 mass = "1500 kg"

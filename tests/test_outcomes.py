@@ -1,0 +1,112 @@
+"""Outcomes: their names, units and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ridedown import Outcomes, load, simulate, simulate_many
+from ridedown.errors import UnknownName
+from ridedown.network import channels
+from ridedown.outcomes import wanted
+from ridedown.scenario import lower
+from ridedown.status import Status
+
+
+@pytest.fixture(scope="module")
+def some() -> Outcomes:
+    return simulate_many(load("example-offset"), {"vehicle1.speed": [8.0, 12.0, 16.0]})
+
+
+def test_a_mapping_of_columns(some: Outcomes) -> None:
+    assert len(some) == len(list(some)) == len(some.units)
+    assert all(some[name].shape == (3,) and some[name].dtype == np.float64 for name in some)
+    assert "driver.acceleration.peak" in some
+    assert some.completed.all()
+    assert some.failures() == {}
+    np.testing.assert_array_equal(some.status, Status.COMPLETED.value)
+    np.testing.assert_array_equal(some.time, 0.2)
+
+
+def test_units(some: Outcomes) -> None:
+    units = some.units
+    assert units["driver.acceleration.peak"] == "m/s2"
+    assert units["driver.acceleration.peak_time"] == "s"
+    assert units["vehicle1.right.absorbed"] == "J"
+    assert units["vehicle1.right.residual"] == "m"
+    assert units["bar.rotation.peak"] == "rad"
+    assert units["vehicle1.velocity.final"] == "m/s"
+
+
+def test_every_known_outcome_can_be_asked_for() -> None:
+    scenario = load("example-wall")
+    network = lower(scenario)
+    names = [
+        f"{channel}.{kind}"
+        for channel in channels(network)
+        for kind in ("peak", "max", "min", "peak_time", "max_time", "min_time")
+    ]
+    names += ["energy.initial", "energy.final", "vehicle1.velocity.final", "vehicle1.left.residual", "adult.restraint.absorbed"]
+    many = simulate_many(scenario, {"vehicle1.speed": [10.0, 15.0]}, outcomes=names)
+    assert list(many) == names
+    for name in names:
+        assert np.isfinite(many[name]).all(), name
+
+
+def test_only_what_is_asked_for_in_that_order() -> None:
+    names = ["adult.excursion.max", "energy.final", "adult.acceleration.peak"]
+    many = simulate_many(load("p1"), {"vehicle1.speed": [10.0]}, outcomes=names)
+    assert list(many) == names
+    assert list(simulate_many(load("p1"), {}, outcomes=[])) == []
+
+
+@pytest.mark.parametrize(
+    ("asked", "nearest"),
+    [
+        ("adult.acceleration.peek", r"adult\.acceleration\.peak"),
+        ("adult.excursion.maximum", r"adult\.excursion\.max"),
+        ("energy", r"energy\."),
+        ("vehicle1.right.residual", ""),  # an elastic member keeps none
+        ("adult.acceleration.final", ""),
+    ],
+)
+def test_unknown_outcomes_are_refused_with_the_nearest(asked: str, nearest: str) -> None:
+    with pytest.raises(UnknownName, match=nearest):
+        simulate_many(load("p1"), {"vehicle1.speed": [10.0]}, outcomes=[asked])
+
+
+def test_an_outcome_that_was_not_asked_for(some: Outcomes) -> None:
+    with pytest.raises(UnknownName, match="outcome"):
+        some["driver.acceleration.max"]
+
+
+def test_the_usual_choice_suits_every_network() -> None:
+    for name in ("p1", "example-wall", "marzbanrad-2", "navigator-neon"):
+        network = lower(load(name))
+        plan = wanted(network, None)
+        assert len(set(plan.names)) == len(plan.names)
+        for body, rotation in zip(network.coordinates, network.is_rotation, strict=True):
+            assert f"{body}.peak" in plan.names if rotation else f"{body}.acceleration.peak" in plan.names
+
+
+def test_failures_are_counted_by_their_sentence() -> None:
+    members = [f"vehicle{n}.members.pieces.1.stiffness" for n in (1, 2)]
+    many = simulate_many(load("p1"), dict.fromkeys(members, np.array([465e3, 0.0, 465e3, 0.0])))
+    np.testing.assert_array_equal(many.completed, [True, False, True, False])
+    assert many.failures() == {Status.BAR_TURNED.sentence: 2}
+    assert (many.time[~many.completed] < 0.2).all()
+
+
+def test_a_stopped_crash_keeps_the_outcomes_of_the_part_computed() -> None:
+    members = {f"vehicle{n}.members.pieces.1.stiffness": 0.0 for n in (1, 2)}
+    many = simulate_many(load("p1"), {path: [value] for path, value in members.items()})
+    from ridedown.scenario import substitute  # noqa: PLC0415
+
+    response = simulate(substitute(load("p1"), members), throw=False)
+    assert many.time[0] == pytest.approx(response.end_time, rel=1e-12)
+    assert many["adult.excursion.max"][0] == pytest.approx(response.maximum("adult.excursion").value, rel=1e-12)
+
+
+def test_energy_of_the_start() -> None:
+    many = simulate_many(load("example-wall"), {"vehicle1.speed": [10.0, 20.0]})
+    np.testing.assert_allclose(many["energy.initial"], 0.5 * 1580.0 * np.array([10.0, 20.0]) ** 2, rtol=1e-14)
