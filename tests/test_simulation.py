@@ -77,10 +77,10 @@ def test_a_bad_row_is_named_before_anything_is_solved(bad: float) -> None:
         simulate_many(load("p1"), {"vehicle1.mass": masses})
 
 
-@pytest.mark.parametrize("threads", [0, -1, 1.5, True, "two"])
-def test_threads_are_counted(threads: object) -> None:
+@pytest.mark.parametrize("threads", [0, -1])
+def test_threads_are_counted(threads: int) -> None:
     with pytest.raises(InvalidInput, match="threads: got"):
-        simulate_many(load("p1"), {}, threads=threads)  # type: ignore[arg-type]
+        simulate_many(load("p1"), {}, threads=threads)
 
 
 def test_what_stops_raises_with_the_part_computed() -> None:

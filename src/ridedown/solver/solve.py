@@ -15,7 +15,7 @@ from ridedown.solver.march import Stop, march
 from ridedown.solver.phases import Phases, phases_of
 
 TOLERANCE = 3e-8
-"""What the last acceleration terms of a step may come to, over the crash's own scale. The truncation that is left is far smaller."""
+"""What the last acceleration terms of a step may come to, over the crash's own scale. The truncation left is far smaller."""
 
 _ONE_LANES = 4  # one crash takes one lane; the processor works on four at a time anyway
 _NO_WORK = False
