@@ -179,7 +179,7 @@ def test_an_unknown_channel_is_answered_with_the_nearest(p1: Response) -> None:
 @pytest.mark.parametrize("times", [-1e-3, 0.2001, [0.0, 0.3], np.nan])
 def test_times_outside_are_refused(p1: Response, times: object) -> None:
     with pytest.raises(InvalidInput, match="times"):
-        p1.at("adult.acceleration", times)  # type: ignore[arg-type]
+        p1.at("adult.acceleration", times)
 
 
 def test_vehicle_results(response: Response) -> None:

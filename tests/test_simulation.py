@@ -56,7 +56,7 @@ def test_ragged_columns_are_refused() -> None:
 @pytest.mark.parametrize("column", [["fast", "slow"], [[1.0, 2.0], [3.0]], object()])
 def test_what_is_not_a_column_of_numbers_is_refused(column: object) -> None:
     with pytest.raises(InvalidInput, match=r"vehicle1\.speed: got .*; need a column of numbers"):
-        simulate_many(load("p1"), {"vehicle1.speed": column})  # type: ignore[dict-item]
+        simulate_many(load("p1"), {"vehicle1.speed": column})
 
 
 def test_a_matrix_is_refused() -> None:

@@ -133,7 +133,7 @@ NETWORK: list[tuple[str, object, str, str]] = [
 
 def _sentence(data: object) -> str:
     with pytest.raises(InvalidInput) as error:
-        load(data)  # type: ignore[arg-type]
+        load(data)
     return str(error.value)
 
 

@@ -41,7 +41,7 @@ vehicle1:
 
 def _refusal(source: object) -> str:
     with pytest.raises(InvalidInput) as error:
-        load(source)  # type: ignore[arg-type]
+        load(source)
     assert "\n" not in str(error.value)
     return str(error.value)
 
