@@ -35,10 +35,10 @@ class Effort:
     A run that has not gained a hundredth in `patience` generations is given up.
     """
 
-    restarts: int = 24
-    sample: int = 512
-    population: int = 48
-    generations: int = 600
+    restarts: int = 8
+    sample: int = 1024
+    population: int = 128
+    generations: int = 400
     patience: int = 60
 
 
