@@ -223,17 +223,17 @@ def _choose_steps(lanes, coordinates, bars, tolerance, crash, duration, time, sc
     constant forces they alone go on for ever.
     """
     for j in range(DEGREE - 3, DEGREE + 1):
-        largest = row(j)
+        total = row(j)  # a sum, not a maximum, for that would pass over what is no number
         for l in range(lanes):
-            power[largest + l] = 0.0
+            power[total + l] = 0.0
         for i in range(coordinates):
             of = at(i, j)
             for l in range(lanes):
-                power[largest + l] = max(power[largest + l], abs(q[of + l]))
+                power[total + l] += abs(q[of + l])
         for b in range(bars):
             of = at(b, j)
             for l in range(lanes):
-                power[largest + l] = max(power[largest + l], abs(tan[of + l]))
+                power[total + l] += abs(tan[of + l])
     share = tolerance ** (1.0 / (DEGREE - 2))
     for l in range(lanes):
         last[l] = False
@@ -243,8 +243,12 @@ def _choose_steps(lanes, coordinates, bars, tolerance, crash, duration, time, sc
         inverse = 0.0  # of r
         for j in range(DEGREE - 3, DEGREE + 1):
             coefficient = j * (j - 1) * power[row(j) + l] / scale[l]
-            if coefficient > 0.0:
+            if not np.isfinite(coefficient):
+                scale[l] = np.nan  # the lane stops here, where it is
+            elif coefficient > 0.0:
                 inverse = max(inverse, coefficient ** (1.0 / (j - 2)))
+        if not np.isfinite(scale[l]):
+            continue
         h = share / inverse if inverse > 0.0 else np.inf
         # while modes settle, the step they are read on never grows: so what is round-off in one mode is in the next
         trial[l] = min(h, trial[l]) if idle[l] > 0 else h
@@ -283,7 +287,7 @@ def _add_work(lanes, elements, step, d, f, work):
                 for j in range(DEGREE - 1, 0, -1):
                     o -= stride
                     rate = rate * t + float(j) * d[o]
-                work[to + l] += _WEIGHTS[n] * step[l] * force * rate
+                work[to + l] += _WEIGHTS[n] * step[l] * force * rate if step[l] > 0.0 else 0.0
 
 
 @part
@@ -317,10 +321,10 @@ def _advance(lanes, coordinates, step, time, steps, idle, q, scale):
                 position = position * h + q[o]
                 rate = rate * h + float(j) * q[o]
             position = q[position_row + l] + position * h
-            q[position_row + l] = position
-            q[rate_row + l] = rate
+            q[position_row + l] = position if h > 0.0 else q[position_row + l]
+            q[rate_row + l] = rate if h > 0.0 else q[rate_row + l]
             # a number that is not finite makes this one not finite too, and nothing else ever does
-            scale[l] += 0.0 * (position + rate)
+            scale[l] += 0.0 * (position + rate) if h > 0.0 else 0.0
     for l in range(lanes):
         time[l] += step[l]
         steps[l] += 1
@@ -358,5 +362,6 @@ def _store(l, number, stop, time, steps, q, memory, work, extreme, out):
         out.set[e, number] = memory[memory_at(e, SET) + l]
         out.work[e, number] = work[row(e) + l]
     for k in range(out.best.shape[0]):
-        out.best[k, number] = extreme[extreme_at(k, BEST) + l]
+        best = extreme[extreme_at(k, BEST) + l]
+        out.best[k, number] = best if best > -np.inf else 0.0  # stopped before anything moved
         out.best_time[k, number] = extreme[extreme_at(k, WHEN) + l]

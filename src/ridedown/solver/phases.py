@@ -128,7 +128,11 @@ def _differentiated(series: Floats, times: int) -> Floats:
 def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent: Floats) -> Phases:
     """The phases in the solver's record (see `workspace.Record`)."""
     n, m = len(network.coordinates), len(network.elements)
-    kept = kept[:count]
+    if count:
+        kept = kept[:count]
+    else:  # stopped before anything moved: a phase of no length, at the start
+        kept = np.zeros((1, *kept.shape[1:]))
+        kept[0, 2, :n] = network.rate[:, 0]
     changes = log[1 : 1 + int(log[0, 0])]
     whole = changes[:, 1:].astype(np.int64)
     return Phases(

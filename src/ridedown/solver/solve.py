@@ -14,7 +14,7 @@ from ridedown.solver.layout import STRIDE
 from ridedown.solver.march import Stop, march
 from ridedown.solver.phases import Phases, phases_of
 
-TOLERANCE = 3e-8
+TOLERANCE = 4e-9
 """What the last acceleration terms of a step may come to, over the crash's own scale. The truncation left is far smaller."""
 
 _ONE_LANES = 4  # one crash takes one lane; the processor works on four at a time anyway
