@@ -10,8 +10,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ridedown.paper.cases import G
-from ridedown.paper.numbers import ACCELERATION, PRINTED, Printed
+from ridedown.paper.cases import Case, G
+from ridedown.paper.numbers import ACCELERATION, PRINTED
 from ridedown.scenario import CrashScenario, load, substitute
 from ridedown.simulation import simulate_many
 
@@ -24,9 +24,10 @@ _TURN = "bar.rotation.peak"
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """Something that the paper does not print: its bounds, SI, and the fields of a scenario that it sets."""
+    """Something that the paper does not print: its SI unit, its bounds, and the fields of a scenario that it sets."""
 
     name: str
+    unit: str
     lower: float
     upper: float
     paths: tuple[str, ...]
@@ -34,19 +35,19 @@ class Unknown:
     """Whether it is searched by its logarithm."""
 
 
-# Eight unknowns for ten numbers, within bounds that a car may have. What stands in none of them is as in the catalogue; among
-# it what the numbers do not tell, and what a wider search leaves where it is (docs/decisions/paper-vehicle.md).
+# Eight unknowns for ten numbers, within the bounds of what a car may be. Everything else is as in the catalogue: what is
+# printed, what the numbers cannot tell, and what a wider search left at its bound (docs/decisions/paper-vehicle.md).
 _MEMBERS_1, _MEMBERS_2 = "vehicle1.members", "vehicle2.members"
 _FIRST = (f"{_MEMBERS_1}.pieces.0.stiffness", f"{_MEMBERS_2}.pieces.0.stiffness")
 UNKNOWNS = (
-    Unknown("vehicle 1, initial force, N", 0.0, 40e3, (f"{_MEMBERS_1}.initial_force",)),
-    Unknown("vehicle 1, knee, m", 0.1, 0.9, (f"{_MEMBERS_1}.pieces.0.until",)),
-    Unknown("vehicle 1, second stiffness, N/m", 200e3, 3e6, (f"{_MEMBERS_1}.pieces.1.stiffness",), by_ratio=True),
-    Unknown("vehicle 2, knee, m", 0.1, 0.9, (f"{_MEMBERS_2}.pieces.0.until",)),
-    Unknown("vehicle 2, second stiffness, N/m", 200e3, 3e6, (f"{_MEMBERS_2}.pieces.1.stiffness",), by_ratio=True),
-    Unknown("vehicle 2, mass, kg", 1000.0, 2200.0, ("vehicle2.mass",)),
-    Unknown("both vehicles, first stiffness, N/m", 30e3, 300e3, _FIRST, by_ratio=True),
-    Unknown("lateral offset, m", 0.2, 1.08, (_OFFSET,)),
+    Unknown("vehicle 1, initial force", "N", 0.0, 40e3, (f"{_MEMBERS_1}.initial_force",)),
+    Unknown("vehicle 1, knee", "m", 0.1, 0.9, (f"{_MEMBERS_1}.pieces.0.until",)),
+    Unknown("vehicle 1, second stiffness", "N/m", 200e3, 3e6, (f"{_MEMBERS_1}.pieces.1.stiffness",), by_ratio=True),
+    Unknown("vehicle 2, knee", "m", 0.1, 0.9, (f"{_MEMBERS_2}.pieces.0.until",)),
+    Unknown("vehicle 2, second stiffness", "N/m", 200e3, 3e6, (f"{_MEMBERS_2}.pieces.1.stiffness",), by_ratio=True),
+    Unknown("vehicle 2, mass", "kg", 1000.0, 2200.0, ("vehicle2.mass",)),
+    Unknown("both vehicles, first stiffness", "N/m", 30e3, 300e3, _FIRST, by_ratio=True),
+    Unknown("lateral offset", "m", 0.2, 1.08, (_OFFSET,)),
 )
 
 
@@ -92,6 +93,13 @@ def crash(values: Floats, *, threads: int = 2) -> Crashes:
     return Crashes(numbers, crush, np.max([outcomes[_TURN] for outcomes in done], axis=0))
 
 
+def scenario_of(case: Case) -> CrashScenario:
+    """The catalogue's scenario of one of the paper's cases."""
+    scenario = load(case.scenario)
+    assert isinstance(scenario, CrashScenario)
+    return scenario
+
+
 def with_vehicle(scenario: CrashScenario, values: Floats) -> CrashScenario:
     """One of the paper's scenarios with a candidate's vehicles and bar, shape (n,), in place of the catalogue's."""
     table = {path: float(v) for unknown, v in zip(UNKNOWNS, values, strict=True) for path in unknown.paths}
@@ -120,23 +128,17 @@ class _Collision:
 @cache
 def _collisions() -> tuple[_Collision, _Collision]:
     rows = range(len(PRINTED))
-    offset = [row for row in rows if _is_offset(_scenario(PRINTED[row]))]
+    offset = [row for row in rows if _is_offset(scenario_of(PRINTED[row].case))]
     return _collision([row for row in rows if row not in offset]), _collision(offset)
 
 
 def _collision(rows: Sequence[int]) -> _Collision:
-    scenarios = {PRINTED[row].case: _scenario(PRINTED[row]) for row in rows}
+    scenarios = {PRINTED[row].case: scenario_of(PRINTED[row].case) for row in rows}
     names = {case: f"occupant{i}" for i, case in enumerate(scenarios, 1)}
     occupants = [s.occupants[0].model_copy(update={"name": names[case]}) for case, s in scenarios.items()]
     crash_of_all = next(iter(scenarios.values())).model_copy(update={"occupants": tuple(occupants)})
     outcomes = {row: f"{names[PRINTED[row].case]}.{PRINTED[row].channel.split('.')[1]}.peak" for row in rows}
     return _Collision(crash_of_all, outcomes)
-
-
-def _scenario(printed: Printed) -> CrashScenario:
-    scenario = load(printed.case.scenario)
-    assert isinstance(scenario, CrashScenario)
-    return scenario
 
 
 def _is_offset(scenario: CrashScenario) -> bool:

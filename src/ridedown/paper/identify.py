@@ -1,7 +1,7 @@
-"""The paper's unstated vehicle, found again from its ten numbers: the inverse problem, solved with ridedown itself.
+"""The paper's unstated vehicles, found again from its ten numbers: the inverse problem, solved with ridedown itself.
 
-The numbers say something of ratios of force to mass only (for identical vehicles head-on), so that the mass and the spacing of
-the rails stay as in the catalogue, and whatever is found is a reconstruction: see docs/decisions/paper-vehicle.md.
+The numbers depend on ratios of force to mass alone, so that vehicle 1's mass stays as in the catalogue, and so does the spacing
+of its rails. Whatever is found is a reconstruction: see docs/decisions/paper-vehicle.md.
 """
 
 from __future__ import annotations
@@ -14,33 +14,35 @@ from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
 from ridedown.paper import cases
-from ridedown.paper.candidates import UNKNOWNS, Crashes, crash, values_of, with_vehicle
+from ridedown.paper.candidates import UNKNOWNS, Crashes, crash, scenario_of, values_of, with_vehicle
 from ridedown.paper.numbers import PRINTED, ROUNDING, Headline, headlines
 from ridedown.paper.reproduce import Reproduction
 from ridedown.paper.search import Effort, Found, runs
 from ridedown.paper.trends import trends
-from ridedown.scenario import CrashScenario, dump, load
+from ridedown.scenario import CrashScenario, dump
 from ridedown.simulation import simulate
 
 Floats = NDArray[np.float64]
 
 MOST_CRUSH, MOST_TURN = 1.1, 1.0
-"""What a car has room for: deflection of a member [m]; and rotation of the bar [rad]."""
+"""What is taken for possible: deflection of a member [m], for which a car has room; rotation of the bar [rad]."""
+NEAR = 0.03
+"""The largest relative error that a vehicle of the paper may have in any of the ten numbers [1]."""
 
 _MARGIN = 0.85
 """How much of the print's rounding the search uses: its result is rounded afterwards."""
 _FAR = 0.028
-"""Relative error above which a number costs much more [1]."""
+"""Relative error above which a number costs much more, a little below `NEAR` for the same reason [1]."""
 _DIGITS = 4
 """Significant digits of the values found."""
 
 
 @dataclass(frozen=True, slots=True)
 class Identified:
-    """A vehicle that gives the ten numbers, a reconstruction: what it does to all of the paper's cases, and how it was found.
+    """Vehicles that give the ten numbers, a reconstruction, and what they do to the occupants in all of the paper's cases.
 
     values: the unknowns by name, SI. scenario: the offset collision with the adult and the child; in the full one the lateral
-    offset is zero. tried: candidates that the search crashed.
+    offset is zero. tried: how many candidates the search crashed.
     """
 
     values: dict[str, float]
@@ -69,9 +71,14 @@ class Identified:
         return max(abs(headline.error) for headline in self.table)
 
     @property
-    def holds(self) -> bool:
+    def trends_hold(self) -> bool:
         """Whether every trend of the paper holds."""
         return all(trend.holds for trend in self.reproduction.trends)
+
+    @property
+    def complete(self) -> bool:
+        """Whether there is nothing left to gain: every trend holds and all ten numbers round to those looked for."""
+        return self.trends_hold and self.worst <= NEAR and self.within == len(self.table)
 
 
 def identify(
@@ -81,14 +88,13 @@ def identify(
     effort: Effort | None = None,
     threads: int = 2,
 ) -> Identified:
-    """Find a vehicle that gives the ten numbers, by global search with `simulate_many`.
+    """Find vehicles that give the ten numbers, by global search with `simulate_many`.
 
     target: the ten numbers, in the order and the units of `ridedown.paper.numbers.PRINTED`; the paper's own if left out.
-    seed: of the search; the same one finds the same vehicle, on one thread or two. effort: when to give up. A vehicle is
-    taken as soon as all trends hold and all numbers, those of the vehicle rounded to four digits, round to the target's.
+    seed: of the search; the same one finds the same vehicles, on one thread or two. effort: when to give up.
 
-    Returns: that vehicle, or the best there was: first by the trends, then by errors of at most 3 %, then by how many numbers
-    round to the target's.
+    Returns: the first that are `complete`, their values rounded to four digits; or else the best there were: first by the
+    trends, then by errors of at most 3 %, then by how many numbers round to the target's.
 
     Raises: InvalidInput for a target that is not ten positive numbers.
     """
@@ -104,8 +110,8 @@ def identify(
         latest = _judged(found, wanted)
         if best is None or _rank(latest) > _rank(best):
             best = latest
-        if latest.holds and latest.within == len(PRINTED) and latest.worst <= 0.03:
-            return latest
+        if best.complete:
+            break
     assert best is not None
     return best
 
@@ -133,9 +139,9 @@ def _misfit(crashes: Crashes, wanted: Floats) -> Floats:
 
 
 def _judged(found: Found, wanted: Floats) -> Identified:
-    """The vehicle with its values rounded, in all of the paper's cases."""
+    """The vehicles with their values rounded, in all of the paper's cases."""
     values = np.array([float(f"{value:.{_DIGITS}g}") for value in values_of(found.best)])
-    responses = {case.scenario: simulate(with_vehicle(_paper(case), values)) for case in cases.ALL}
+    responses = {case.scenario: simulate(with_vehicle(scenario_of(case), values)) for case in cases.ALL}
     table = tuple(replace(h, paper=float(number)) for h, number in zip(headlines(responses), wanted, strict=True))
     return Identified(
         values={unknown.name: float(value) for unknown, value in zip(UNKNOWNS, values, strict=True)},
@@ -146,21 +152,15 @@ def _judged(found: Found, wanted: Floats) -> Identified:
 
 
 def _rank(identified: Identified) -> tuple[bool, bool, int, float]:
-    return identified.holds, identified.worst <= 0.03, identified.within, -identified.worst
-
-
-def _paper(case: cases.Case) -> CrashScenario:
-    scenario = load(case.scenario)
-    assert isinstance(scenario, CrashScenario)
-    return scenario
+    return identified.trends_hold, identified.worst <= NEAR, identified.within, -identified.worst
 
 
 def _offset_with_both(values: Floats) -> CrashScenario:
-    adult, child = (_paper(case) for case in (cases.ADULT_OFFSET, cases.CHILD_OFFSET))
+    adult, child = (scenario_of(case) for case in (cases.ADULT_OFFSET, cases.CHILD_OFFSET))
     both = adult.model_copy(
         update={
             "name": "paper-vehicle-identified",
-            "description": "Adult and child in an offset head-on collision. The vehicle is a reconstruction.",
+            "description": "Adult and child in an offset head-on collision. The vehicles are a reconstruction.",
             "occupants": (*adult.occupants, *child.occupants),
         }
     )
