@@ -20,8 +20,7 @@ from ridedown.simulation import simulate
 LITTLE = Effort(restarts=1, sample=64, population=16, generations=6, patience=6)
 SOME = Effort(restarts=3, sample=256, population=64, generations=150, patience=40)
 
-# force f0 [N], knee [m], second stiffness [N/m] of vehicle 1; knee, stiffness, mass [kg] of vehicle 2; first stiffness; offset [m]
-A_PAIR = np.array([8e3, 0.33, 420e3, 0.45, 600e3, 1500.0, 40e3, 0.9])
+A_PAIR = np.array([8e3, 0.33, 420e3, 0.45, 600e3, 1500.0, 40e3, 0.9])  # values of the unknowns, in their order
 
 
 @pytest.fixture(scope="module")

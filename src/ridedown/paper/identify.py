@@ -96,7 +96,8 @@ def identify(
     Returns: the first that are `complete`, their values rounded to four digits; or else the best there were: first by the
     trends, then by errors of at most 3 %, then by how many numbers round to the target's.
 
-    Raises: InvalidInput for a target that is not ten positive numbers.
+    Raises: InvalidInput for a target that is not ten positive numbers; SimulationStopped if not one candidate could be crashed
+    to its end, as may be with very little effort.
     """
     wanted = _checked(target)
     search = runs(
