@@ -97,9 +97,9 @@ def test_grazing_contact(miss: float, law: str) -> None:
     scenario = scenario.model_copy(update={"elements": (scenario.elements[0], tie)})
     response = assert_sound(scenario)
     touched = [event for event in response.events if event.who == "tie"]
-    if miss >= 1e-12:
+    if miss >= 1e-9:
         assert touched == []
-    if miss <= -1e-12:
+    if miss <= -1e-9:
         assert touched[0].what == "slack taken up"
         assert response.maximum("tie.force").value > 0.0
     assert response.at("m.velocity", 0.5) == pytest.approx(10.0 * math.cos(20.0 * 0.5), abs=max(1e-9, 1e4 * abs(miss)))
@@ -138,7 +138,7 @@ def test_an_initial_force_on_one_side_only() -> None:
 def test_a_slack_that_is_never_taken_up(slack: float) -> None:
     response = assert_sound(substitute(load("p1"), {"adult.restraint.slack": slack}))
     assert response.maximum("adult.restraint.force").value == 0.0
-    assert response.at("adult.velocity", 0.2) == 13.33
+    assert response.at("adult.velocity", 0.2) == pytest.approx(13.33, rel=1e-14)
     assert not any(event.who == "adult.restraint" for event in response.events)
 
 
