@@ -61,7 +61,7 @@ def test_overdamped(law: str, ratio: float) -> None:
     full = load("paper-adult-full")
     belt = {"stiffness": 98.1e3, "slack": 0.005, "damping_ratio": ratio, "law": law}
     adult = {"kind": "adult", "mass": 80.0, "restraint": belt}
-    data = {"vehicle1": full.vehicle1, "vehicle2": full.vehicle2, "bar": full.bar}  # type: ignore[union-attr]
+    data = {"vehicle1": full.vehicle1, "vehicle2": full.vehicle2, "bar": full.bar}
     assert_sound(CrashScenario(**data, occupants=[adult, adult | {"coupled": True}]))
 
 

