@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -93,7 +93,7 @@ class Response:
     def __init__(self, scenario: CrashScenario | NetworkScenario, network: Network, phases: Phases, status: Status) -> None:
         self.scenario = scenario
         self.network = network
-        self.phases = phases if phases.start.size else _first_instant(network, phases)
+        self.phases = phases
         self.status = status
 
     def __repr__(self) -> str:
@@ -345,21 +345,3 @@ class Response:
         import pyarrow.parquet as pq  # noqa: PLC0415
 
         pq.write_table(self.to_arrow(times), str(path), compression="zstd")
-
-
-def _first_instant(network: Network, phases: Phases) -> Phases:
-    """A phase of no length at time 0, for a crash that could not take its first step: bodies move, nothing pushes yet."""
-    orders = phases.position.shape[1]
-    position, deflection = (np.zeros((1, orders, len(names))) for names in (network.coordinates, network.elements))
-    position[0, 1] = network.rate[:, 0]
-    for e in range(len(network.elements)):
-        terms = slice(int(network.term_start[e]), int(network.term_start[e + 1]))
-        deflection[0, 1, e] = network.term_sign[terms] @ network.rate[network.term_coordinate[terms], 0]
-    return replace(
-        phases,
-        start=np.zeros(1),
-        length=np.zeros(1),
-        position=position,
-        deflection=deflection,
-        force=np.zeros_like(deflection),
-    )

@@ -119,9 +119,9 @@ def _columns(table: Mapping[str, ArrayLike]) -> tuple[dict[str, NDArray[np.float
     return columns, next(iter(rows.values()), 1)
 
 
-def _workers(threads: int | None) -> int:
+def _workers(threads: object) -> int:
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
-    if threads < 1:
+    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
         raise InvalidInput(f"threads: got {threads!r}; need a whole number of 1 or more. Leave it out for all cores.")
     return threads

@@ -30,8 +30,8 @@ class Status(Enum):
 _SENTENCES = {
     Status.COMPLETED: "the crash was solved to its end",
     Status.TOO_MANY_STEPS: (
-        "more steps than the solver allows, which means very stiff parts. Raise the smallest masses, or lower the largest "
-        "stiffness or damping"
+        "more steps than the solver allows: very stiff parts, or one that bounces on an initial force f0. Raise the smallest "
+        "masses, lower the largest stiffness or damping, or give the member a steep first piece instead of f0"
     ),
     Status.BAR_TURNED: (
         "the bumper bar turned by more than 80 degrees, where its members' ends run away to infinity. Raise the bar's inertia, "
@@ -39,8 +39,7 @@ _SENTENCES = {
     ),
     Status.NOT_FINITE: "a number overflowed. Look for a mass, stiffness or damping that is out of all proportion",
     Status.CHATTER: (
-        "force laws switched on and off without end at one instant, as an initial force f0 does between parts at rest. Give "
-        "the "
-        "member a steep first piece instead of f0"
+        "force laws switched on and off without end at one instant, as an initial force f0 does between parts at rest. "
+        "Give the member a steep first piece instead of f0"
     ),
 }

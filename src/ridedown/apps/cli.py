@@ -166,7 +166,7 @@ def _say_if_cold() -> None:
     from ridedown.solver.cache import is_cold
 
     if is_cold():
-        typer.echo("compiling the solver, once; about 15 s", err=True)
+        typer.echo("compiling the solver, once; about half a minute", err=True)
 
 
 def _refuse(sentence: str) -> None:

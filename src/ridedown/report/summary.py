@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ridedown.events import Event
 from ridedown.report.tables import NONE, Column, Table, number
-from ridedown.response import Response
+from ridedown.response import MassResult, Response, VehicleResult
 
 G = 9.80665  # m/s2, the standard value
 KMH = 3.6
@@ -34,6 +34,26 @@ def notes(response: Response) -> tuple[str, ...]:
     return tuple(said)
 
 
+_MOTION = (
+    Column("Mass", "kg"),
+    Column("Speed", "km/h"),
+    Column("Delta-v", "km/h"),
+    Column("Peak acceleration", "g"),
+    Column("at", "ms"),
+)
+
+
+def _motion(body: VehicleResult | MassResult) -> tuple[str, ...]:
+    """The cells of `_MOTION`."""
+    return (
+        number(body.mass, 0),
+        number(body.speed, scale=KMH),
+        number(body.delta_v, scale=KMH),
+        number(body.peak_acceleration.value / G),
+        number(body.peak_acceleration.time, scale=_MS),
+    )
+
+
 def vehicles(response: Response) -> Table:
     """Each vehicle: how it was, how hard it was stopped, how far it was crushed."""
     restitution = response.restitution
@@ -42,11 +62,7 @@ def vehicles(response: Response) -> Table:
         f"Vehicles; {parted}",
         (
             Column("Vehicle", numeric=False),
-            Column("Mass", "kg"),
-            Column("Speed", "km/h"),
-            Column("Delta-v", "km/h"),
-            Column("Peak acceleration", "g"),
-            Column("at", "ms"),
+            *_MOTION,
             Column("Dynamic crush", "mm"),
             Column("at", "ms"),
             Column("Residual crush", "mm"),
@@ -55,11 +71,7 @@ def vehicles(response: Response) -> Table:
         tuple(
             (
                 name,
-                number(v.mass, 0),
-                number(v.speed, scale=KMH),
-                number(v.delta_v, scale=KMH),
-                number(v.peak_acceleration.value / G),
-                number(v.peak_acceleration.time, scale=_MS),
+                *_motion(v),
                 number(v.dynamic_crush.value, 0, scale=1e3),
                 number(v.dynamic_crush.time, scale=_MS),
                 number(v.residual_crush, 0, scale=1e3),
@@ -76,22 +88,14 @@ def masses(response: Response) -> Table:
         "Masses",
         (
             Column("Mass", numeric=False),
-            Column("Mass", "kg"),
-            Column("Speed", "km/h"),
-            Column("Delta-v", "km/h"),
-            Column("Peak acceleration", "g"),
-            Column("at", "ms"),
+            *_MOTION,
             Column("Largest displacement", "mm"),
             Column("at", "ms"),
         ),
         tuple(
             (
                 name,
-                number(m.mass, 0),
-                number(m.speed, scale=KMH),
-                number(m.delta_v, scale=KMH),
-                number(m.peak_acceleration.value / G),
-                number(m.peak_acceleration.time, scale=_MS),
+                *_motion(m),
                 number(m.displacement.value, 0, scale=1e3),
                 number(m.displacement.time, scale=_MS),
             )

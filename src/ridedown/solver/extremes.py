@@ -17,7 +17,7 @@ POSITION, RATE, ACCELERATION, DEFLECTION, DEFLECTION_RATE, FORCE = (int(family) 
 
 
 @part
-def gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series):
+def _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series):
     """The series of tracked quantity k in all lanes."""
     for j in range(DEGREE + 1):
         to = row(j)
@@ -72,7 +72,7 @@ def _bounds(lanes, source, base, power, extreme, end, rise, fall):
 
 
 @part
-def track(lanes, k, sense, source, base, time, step, power, extreme, suspect, poly, room):
+def _track(lanes, k, sense, source, base, time, step, power, extreme, suspect, poly, room):
     """Raise extreme k by what this step holds of a series, whose row of order 0 starts at `base` in `source`.
 
     `sense`: +1 largest, -1 smallest (kept as its negative), 0 largest magnitude.
@@ -103,3 +103,26 @@ def track(lanes, k, sense, source, base, time, step, power, extreme, suspect, po
                     if where >= 0.0:
                         extreme[best + l] = peak
                         extreme[when + l] = time[l] + where * step[l]
+
+
+@part
+def track_all(
+    lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, series,
+    time, step, power, extreme, suspect, poly, room,
+):  # fmt: skip
+    """Raise every tracked extreme by what this step holds."""
+    for k in range(tracked_sense.size):
+        first = tracked_start[k]
+        family, base = tracked_family[first], at(tracked_index[first], np.int64(0))
+        source = q
+        if family == ACCELERATION:
+            source = acc
+        elif family == DEFLECTION:
+            source = d
+        elif family == FORCE:
+            source = f
+        alone = tracked_start[k + 1] == first + 1 and tracked_weight[first] == 1.0
+        if not alone or family in (RATE, DEFLECTION_RATE):
+            _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series)
+            source, base = series, np.uint64(0)
+        _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, suspect, poly, room)

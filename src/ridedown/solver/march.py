@@ -53,7 +53,6 @@ def march(s, x, w, out, record, tolerance, with_work):
 
     `tolerance`: what the last acceleration coefficients of a step may amount to, over the crash's own scale of acceleration.
     """
-    lanes = np.uint64(w.lanes)
     # plain arrays from here on: the compiler turns loops over them into vector instructions
     parent, law, lever, bars, bar_of, arm = s.parent, s.law, s.lever, s.bar_coordinate, s.bar_of, w.arm
     term_start, term_coordinate, term_sign = s.term_start, s.term_coordinate, s.term_sign
@@ -70,7 +69,7 @@ def march(s, x, w, out, record, tolerance, with_work):
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
 
-    lanes = min(lanes, np.uint64(duration.size))
+    lanes = np.uint64(min(STRIDE, duration.size))
     taken = np.int64(0)
     active = np.int64(0)
     for l in range(lanes):
@@ -128,23 +127,10 @@ def march(s, x, w, out, record, tolerance, with_work):
                 pending[l] = event[l]
                 pending_count[l] = 1
         _powers(lanes, step, power)
-        for k in range(tracked_sense.size):
-            first = tracked_start[k]
-            family, base = tracked_family[first], at(tracked_index[first], np.int64(0))
-            source = q
-            if family == extremes.ACCELERATION:
-                source = acc
-            elif family == extremes.DEFLECTION:
-                source = d
-            elif family == extremes.FORCE:
-                source = f
-            alone = tracked_start[k + 1] == first + 1 and tracked_weight[first] == 1.0
-            if not alone or family in (extremes.RATE, extremes.DEFLECTION_RATE):
-                extremes.gather(
-                    lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, lane_series
-                )
-                source, base = lane_series, np.uint64(0)
-            extremes.track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, suspect, poly, room)
+        extremes.track_all(
+            lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, lane_series,
+            time, step, power, extreme, suspect, poly, room,
+        )  # fmt: skip
         if with_work:
             _add_work(lanes, law.size, step, d, f, work)
         if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:

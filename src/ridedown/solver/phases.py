@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -128,14 +128,10 @@ def _differentiated(series: Floats, times: int) -> Floats:
 def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent: Floats) -> Phases:
     """The phases in the solver's record (see `workspace.Record`)."""
     n, m = len(network.coordinates), len(network.elements)
-    if count:
-        kept = kept[:count]
-    else:  # stopped before anything moved: a phase of no length, at the start
-        kept = np.zeros((1, *kept.shape[1:]))
-        kept[0, 2, :n] = network.rate[:, 0]
+    kept = kept[:count]
     changes = log[1 : 1 + int(log[0, 0])]
     whole = changes[:, 1:].astype(np.int64)
-    return Phases(
+    phases = Phases(
         start=kept[:, 0, 0],
         length=kept[:, 0, 1],
         position=kept[:, 1:, :n],
@@ -147,4 +143,23 @@ def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent
         event_after=whole[:, 2],
         set=permanent,
         chains=tuple(network.chain(i) for i in range(n)),
+    )
+    return phases if count else _first_instant(network, phases)
+
+
+def _first_instant(network: Network, phases: Phases) -> Phases:
+    """A phase of no length at time 0, for a crash that could not take its first step: bodies move, nothing pushes yet."""
+    orders = phases.position.shape[1]
+    position, deflection = (np.zeros((1, orders, len(names))) for names in (network.coordinates, network.elements))
+    position[0, 1] = network.rate[:, 0]
+    for e in range(len(network.elements)):
+        terms = slice(int(network.term_start[e]), int(network.term_start[e + 1]))
+        deflection[0, 1, e] = network.term_sign[terms] @ network.rate[network.term_coordinate[terms], 0]
+    return replace(
+        phases,
+        start=np.zeros(1),
+        length=np.zeros(1),
+        position=position,
+        deflection=deflection,
+        force=np.zeros_like(deflection),
     )

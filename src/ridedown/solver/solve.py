@@ -10,14 +10,12 @@ import numpy as np
 from ridedown.network import Channel, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import workspace
-from ridedown.solver.layout import STRIDE
 from ridedown.solver.march import Stop, march
 from ridedown.solver.phases import Phases, phases_of
 
 TOLERANCE = 4e-9
 """What the last acceleration terms of a step may come to, over the crash's own scale. The truncation left is far smaller."""
 
-_ONE_LANES = 4  # one crash takes one lane; the processor works on four at a time anyway
 _NO_WORK = False
 _CAPACITY = 256  # phases kept at first; eight times as many where that is too few
 _NOTHING = workspace.Tracked(
@@ -66,7 +64,7 @@ def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, wo
     march(
         workspace.structure_of(network, quantities),
         workspace.numbers_of(network),
-        workspace.lanes_for(network, count, min(STRIDE, max(_ONE_LANES, network.size))),
+        workspace.lanes_for(network, count),
         results,
         workspace.record_for(network, 0),
         TOLERANCE,
@@ -79,7 +77,7 @@ def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, wo
 def solve_one(network: Network) -> tuple[Phases, Stop]:
     """Solve the one crash of a network, keeping its phases."""
     structure, numbers = workspace.structure_of(network, _NOTHING), workspace.numbers_of(network)
-    results, lanes = workspace.results_for(network, 0), workspace.lanes_for(network, 0, _ONE_LANES)
+    results, lanes = workspace.results_for(network, 0), workspace.lanes_for(network, 0)
     capacity = _CAPACITY
     while True:
         record = workspace.record_for(network, capacity)

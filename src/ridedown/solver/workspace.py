@@ -1,8 +1,8 @@
 """What the kernels work on: the structure of a network, its numbers, and the lanes that carry many crashes abreast.
 
-Many crashes are solved at once in *lanes*: every array of the workspace ends in an axis of crashes, one loop over the
-lanes is one straight line of vector instructions, and where crashes differ (another mode of a law, another step) they differ
-in numbers, not in branches. A lane that finishes its crash takes the next.
+Many crashes are solved at once in *lanes*: one loop over the lanes is one straight line of vector instructions, and where
+crashes differ (another mode of a law, another step) they differ in numbers, not in branches. A lane that finishes its crash
+takes the next. One crash takes one lane.
 
 Names below: q position series, d deflection series, f force series; j order of the coefficient, i coordinate, e element,
 b bar, g guard (two to an element), l lane.
@@ -60,7 +60,6 @@ class Numbers(NamedTuple):
 class Lanes(NamedTuple):
     """The state and the series of the crashes at hand, in rows as `layout` says: one row is one number of every lane."""
 
-    lanes: int  # how many are in use, STRIDE at most
     # which crash, and where it is: one row each
     crash: Ints  # its number, -1 = none
     time: Floats
@@ -134,8 +133,8 @@ class Record(NamedTuple):
     log: Floats  # (n + 1, 4) first row: how many; then time, element, mode before, mode after
 
 
-def lanes_for(network: Network, tracked: int, lanes: int) -> Lanes:
-    """Room for so many crashes abreast of a network of this structure."""
+def lanes_for(network: Network, tracked: int) -> Lanes:
+    """Room for STRIDE crashes abreast of a network of this structure."""
     n, m, bars = len(network.coordinates), len(network.elements), int(network.is_rotation.sum())
 
     def floats(rows: int) -> Floats:
@@ -145,7 +144,6 @@ def lanes_for(network: Network, tracked: int, lanes: int) -> Lanes:
         return np.zeros(rows * STRIDE, dtype=np.int64)
 
     return Lanes(
-        lanes=lanes,
         crash=whole(1),
         time=floats(1),
         step=floats(1),
