@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -77,8 +79,8 @@ def test_a_bad_row_is_named_before_anything_is_solved(bad: float) -> None:
         simulate_many(load("p1"), {"vehicle1.mass": masses})
 
 
-@pytest.mark.parametrize("threads", [0, -1])
-def test_threads_are_counted(threads: int) -> None:
+@pytest.mark.parametrize("threads", [0, -1, 1.5, True, "two"])
+def test_threads_are_counted(threads: Any) -> None:
     with pytest.raises(InvalidInput, match="threads: got"):
         simulate_many(load("p1"), {}, threads=threads)
 
