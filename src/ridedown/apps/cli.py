@@ -163,7 +163,7 @@ def _plain_errors() -> Iterator[None]:
 
 
 def _say_if_cold() -> None:
-    from ridedown.solver.cache import is_cold
+    from ridedown.solver.march import is_cold
 
     if is_cold():
         typer.echo("compiling the solver, once; about half a minute", err=True)

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ridedown.compiled import part
 from ridedown.solver import polynomial
-from ridedown.solver.cache import part
 from ridedown.solver.layout import DEGREE, GD0, GV0, STRIDE, A, B, at, guard_at, row
 
 GAP_ROUND_OFF = 1e-14  # m

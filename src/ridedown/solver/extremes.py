@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ridedown.compiled import part
 from ridedown.network import Family
 from ridedown.solver import polynomial
-from ridedown.solver.cache import part
 from ridedown.solver.layout import BEST, DEGREE, END, FALL, RISE, STRIDE, WHEN, at, extreme_at, row
 
 POSITION, RATE, ACCELERATION, DEFLECTION, DEFLECTION_RATE, FORCE = (int(family) for family in Family)

@@ -23,8 +23,8 @@ in rows as `layout` says; `mode` in rows, one an element. Guards 2e and 2e + 1 a
 
 from __future__ import annotations
 
+from ridedown.compiled import part
 from ridedown.network import Law
-from ridedown.solver.cache import part
 from ridedown.solver.layout import D0, F0, GD0, GV0, LATCH, PIECE, SET, V0, A, B, C, K, guard_at, line_at, memory_at, row
 
 LINEAR, KELVIN_VOIGT, THRESHOLD, ELASTIC, PLASTIC = (int(law) for law in Law)

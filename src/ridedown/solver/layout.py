@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.solver.cache import inlined
+from ridedown.compiled import inlined
 
 STRIDE = 72
 """Lanes there is room for; how many are in use is up to the caller."""

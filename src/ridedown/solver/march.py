@@ -14,11 +14,12 @@ The rules that leave no event out (docs/theory.md, "Events"):
 from __future__ import annotations
 
 from enum import IntEnum
+from pathlib import Path
 
 import numpy as np
 
+from ridedown.compiled import folder_of, kernel, part
 from ridedown.solver import events, extremes, laws, series
-from ridedown.solver.cache import kernel, part
 from ridedown.solver.layout import BEST, DEGREE, MEMORY_ROWS, SET, STRIDE, WHEN, at, extreme_at, memory_at, row
 
 
@@ -45,6 +46,12 @@ _IDLE_LIMIT = 60  # steps of no length before a crash is given up as chattering
 _GAUSS = np.polynomial.legendre.leggauss(DEGREE + 1)  # exact to twice the degree
 _NODES, _WEIGHTS = 0.5 * (1.0 + _GAUSS[0]), 0.5 * _GAUSS[1]
 _BRAKING_TIME = 0.05  # s: a crash brakes its speed in about so long; sets the scale of acceleration
+
+
+def is_cold() -> bool:
+    """Whether the march has still to be compiled on this machine (some seconds, once)."""
+    folder = folder_of(Path(__file__).resolve().parent)
+    return folder is None or not any(folder.rglob("march.march-*.nbc"))
 
 
 @kernel

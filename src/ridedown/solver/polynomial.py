@@ -14,7 +14,7 @@ from math import comb
 
 import numpy as np
 
-from ridedown.solver.cache import kernel, part
+from ridedown.compiled import kernel, part
 
 MAX_DEGREE = 24
 NO_ROOT = 2.0

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.solver.cache import part
+from ridedown.compiled import part
 from ridedown.solver.layout import D0, F0, V0, C, K, at, line_at, row
 
 

@@ -1,8 +1,8 @@
 """Compiling the kernels, and keeping what was compiled.
 
 Numba's own cache does not notice an edit in a kernel that another file calls, so the folder of the compiled code carries a
-hash of every kernel source: a changed source is a new folder. Where nothing can be written, kernels are compiled anew in each
-process; importing never fails for it.
+hash of every source of the package that a kernel is in: a changed source is a new folder. Kernels call parts of their own
+package only. Where nothing can be written, kernels are compiled anew in each process; importing never fails for it.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import hashlib
 import os
 import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -27,10 +28,10 @@ _settings: Any = _config
 _OPTIONS: dict[str, Any] = {"nogil": True, "_nrt": False, "error_model": "numpy", "fastmath": {"contract"}}
 
 
-def _sources_hash() -> str:
+def _sources_hash(package: Path) -> str:
     # numba keeps what it compiled by the path of its source, so another checkout starts cold: its folder is another one
-    digest = hashlib.sha256(f"{numba.__version__} {sys.version} {Path(__file__).resolve()}".encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    digest = hashlib.sha256(f"{numba.__version__} {sys.version} {package}".encode())
+    for source in (Path(__file__), *sorted(package.glob("*.py"))):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -44,16 +45,15 @@ def _user_cache() -> Path:
     return Path.home() / ".cache" / "ridedown"
 
 
-def _writable_folder() -> Path | None:
+@cache
+def folder_of(package: Path) -> Path | None:
+    """Where the compiled kernels of the package in this folder are kept, or None where nothing can be written."""
     try:
-        folder = _user_cache() / f"kernels-{_sources_hash()}"
+        folder = _user_cache() / f"{package.name}-{_sources_hash(package)}"
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, RuntimeError):  # RuntimeError: no home directory
         return None
     return folder if os.access(folder, os.W_OK) else None
-
-
-FOLDER = _writable_folder()
 
 
 def part(function: F) -> F:
@@ -67,19 +67,15 @@ def inlined(function: F) -> F:
 
 
 def kernel(function: F) -> F:
-    """Compile `function` for Python to call, cached in this version's folder."""
-    if FOLDER is None:
+    """Compile `function` for Python to call, cached in the folder of its package's version."""
+    folder = folder_of(Path(function.__code__.co_filename).resolve().parent)
+    if folder is None:
         return cast("F", _njit(**_OPTIONS)(function))
     before = _settings.CACHE_DIR
-    _settings.CACHE_DIR = str(FOLDER)  # read by numba when the function is decorated, and only then
+    _settings.CACHE_DIR = str(folder)  # read by numba when the function is decorated, and only then
     try:
         return cast("F", _njit(cache=True, no_cfunc_wrapper=True, **_OPTIONS)(function))
     except RuntimeError:  # no locator could use the folder
         return cast("F", _njit(**_OPTIONS)(function))
     finally:
         _settings.CACHE_DIR = before
-
-
-def is_cold() -> bool:
-    """Whether the kernels have still to be compiled on this machine (some seconds, once)."""
-    return FOLDER is None or not any(FOLDER.rglob("march.march-*.nbc"))
