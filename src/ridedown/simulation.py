@@ -19,7 +19,7 @@ from ridedown.status import Status
 
 S = TypeVar("S", bound=CrashScenario | NetworkScenario)
 
-_CHUNK = 2048  # crashes lowered and solved at a time: what bounds the memory
+_CHUNK = 8192  # crashes lowered and solved at a time: what bounds the memory
 
 
 def simulate(scenario: CrashScenario | NetworkScenario, *, throw: bool = True) -> Response:

@@ -10,172 +10,233 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.compiled import part
-from ridedown.solver import polynomial
+from ridedown.compiled import inlined, part
+from ridedown.solver import laws, polynomial, together
 from ridedown.solver.layout import DEGREE, GD0, GV0, STRIDE, A, B, at, guard_at, row
+from ridedown.solver.vector import ALL_LANES, WIDTH, first_lane, lanes_of, load, spread, store, where
 
 GAP_ROUND_OFF = 1e-14  # m
 RATE_ROUND_OFF = 1e-13  # m/s
 NO_EVENT = -1
+_ORDER = np.arange(DEGREE + 3.0)
+NO, YES = 0.0, 1.0
+"""Whether a step ends its crash, as a number of the lane."""
+_FIRST, _LATEST, _SOONEST = ((DEGREE + n) * STRIDE for n in (1, 2, 3))
+"""Rows below the powers of the step, all fractions of it: the earliest event found, what it cannot come after, and, one row
+for each guard of the element at hand, what its own cannot come before."""
+POWER_ROWS = DEGREE + 5
 
 
 @part
-def find(lanes, guards, guard, d, crash, last, step, power, event, pending, pending_count, suspect, falling, owner, poly, room):
+def find(lanes, law, guard, d, crash, last, step, power, event, pending, pending_count, falling, owner, poly, room):
     """Sort each lane's guards: negative at the start (into `pending`), or first to turn negative in the step (into `event`).
+
+    Both are empty, as the march leaves them.
 
     The step of a lane with an event shrinks to it. `falling` and `owner` are room for one guard a lane and more, to be solved
     together.
     """
-    count = np.int64(0)
-    for l in range(lanes):
-        pending_count[l] = 0
-        event[l] = NO_EVENT
-        power[row(DEGREE + 1) + l] = 1.0  # the earliest event so far, as a fraction of the step
-    for g in range(guards):
-        suspects = _suspects(lanes, g, guard, d, power, suspect)
-        if suspects == 0:
+    count = 0
+    for block in range(0, lanes, WIDTH):
+        store(power, _FIRST + block, 1.0)
+        store(power, _LATEST + block, 1.0)
+    for e in range(law.size):
+        if law[e] == laws.LINEAR:  # no guards
             continue
-        for l in range(lanes):
-            if suspect[l] != 0 and crash[l] >= 0:
-                kind = _examine(g, l, guard, d, power, pending, pending_count, poly)
+        for block in range(0, lanes, WIDTH):
+            if law[e] == laws.ELASTIC:
+                suspects = _suspects_of_curve(block, e, guard, d, power)
+            else:
+                suspects = _suspects(block, e, guard, d, power)
+            while suspects != 0:
+                bit = first_lane(suspects)
+                suspects &= suspects - 1
+                l, g = block + bit % WIDTH, 2 * e + bit // WIDTH
+                if crash[l] < 0 or power[_SOONEST + (bit // WIDTH) * STRIDE + l] > power[_LATEST + l]:
+                    continue
+                if count == STRIDE:
+                    _note_all(count, falling, owner, power, event)
+                    count = 0
+                kind = _examine(g, l, guard, d, power, pending, pending_count, falling, count, poly)
                 if kind == _FALLS:
-                    if count == STRIDE:
-                        _solve_together(count, falling, owner, power, event)
-                        count = np.int64(0)
-                    for j in range(DEGREE + 1):
-                        falling[row(j) + np.uint64(count)] = poly[j]
                     owner[2 * count] = l
                     owner[2 * count + 1] = g
                     count += 1
                 elif kind == _SEARCH:
-                    _note(g, l, polynomial.first_root(poly, room), power, event)
-    _solve_together(count, falling, owner, power, event)
+                    root = polynomial.first_root(poly, room)
+                    power[_LATEST + l] = min(power[_LATEST + l], root)
+                    _note(g, l, root, power, event)
+    _note_all(count, falling, owner, power, event)
     for l in range(lanes):
-        first = power[row(DEGREE + 1) + l]
-        if event[l] != NO_EVENT and (first < 1.0 or not last[l]):
-            step[l] *= first
-            last[l] = False
-        else:
-            event[l] = NO_EVENT
+        if event[l] != NO_EVENT:
+            first = power[_FIRST + l]
+            if first < 1.0 or last[l] == NO:
+                step[l] *= first
+                last[l] = NO
+            else:
+                event[l] = NO_EVENT
 
 
 _CLEAR, _FALLS, _SEARCH = range(3)
 
 
-@part
-def _suspects(lanes, g, guard, d, power, suspect):
-    """Mark the lanes in which guard g may start or turn negative."""
-    e = g // 2
-    a0, b0, d0, v0 = guard_at(g, A), guard_at(g, B), guard_at(g, GD0), guard_at(g, GV0)
-    base = at(e, 0)
-    stride = np.uint64(STRIDE)
-    count = 0
-    for l in range(lanes):
-        a, b = guard[a0 + l], guard[b0 + l]
-        o = base + l
-        start = a * (d[o] - guard[d0 + l]) + b * (d[o + stride] - guard[v0 + l])
-        o += stride
-        slope = (a * d[o] + 2.0 * b * d[o + stride]) * power[row(1) + l]
-        dip = 0.0
-        for j in range(2, DEGREE):  # unrolled: DEGREE is a constant
-            o += stride
-            c = (a * d[o] + (j + 1.0) * b * d[o + stride]) * power[row(j) + l]
-            dip += min(c, 0.0)
-        round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
-        stays = (start > round_off) & (start + min(slope, 0.0) + dip > 0.0)
-        leaves = (abs(start) <= round_off) & (slope > round_off) & (slope + dip > 0.0)  # zero at the start, and rising
-        suspect[l] = 1 - (stays | leaves)
-        count += suspect[l]
-    return count
+@inlined
+def _suspects(block, e, guard, d, power):
+    """In which lanes of a block the guards of element e may start or turn negative, as bits; the second guard's come after."""
+    g, h = 2 * e, 2 * e + 1
+    a, b = load(guard, guard_at(g, A) + block), load(guard, guard_at(g, B) + block)
+    u, w = load(guard, guard_at(h, A) + block), load(guard, guard_at(h, B) + block)
+    o, p = at(e, 0) + block, row(1) + block
+    now, then = load(d, o), load(d, o + STRIDE)
+    start = a * (now - load(guard, guard_at(g, GD0) + block)) + b * (then - load(guard, guard_at(g, GV0) + block))
+    start2 = u * (now - load(guard, guard_at(h, GD0) + block)) + w * (then - load(guard, guard_at(h, GV0) + block))
+    now, then = then, load(d, o + 2 * STRIDE)
+    slope = (a * now + 2.0 * b * then) * load(power, p)
+    slope2 = (u * now + 2.0 * w * then) * load(power, p)
+    dip, dip2 = spread(0.0), spread(0.0)
+    for j in range(2, DEGREE):
+        now, then = then, load(d, o + (j + 1) * STRIDE)
+        scale = load(power, p + (j - 1) * STRIDE)
+        now *= scale
+        rate = (j + 1.0) * then * scale
+        dip += min(a * now + b * rate, 0.0)
+        dip2 += min(u * now + w * rate, 0.0)
+    first = _unclear(a, b, start, slope, dip, power, _SOONEST + block)
+    return first | (_unclear(u, w, start2, slope2, dip2, power, _SOONEST + STRIDE + block) << WIDTH)
 
 
-@part
-def _examine(g, l, guard, d, power, pending, pending_count, p):
-    """Read one guard closely, its polynomial into p.
+@inlined
+def _suspects_of_curve(block, e, guard, d, power):
+    """The same of an element whose guards look at its deflection only."""
+    g, h = 2 * e, 2 * e + 1
+    a, u = load(guard, guard_at(g, A) + block), load(guard, guard_at(h, A) + block)
+    o, p = at(e, 0) + block, row(1) + block
+    now, slope = load(d, o), load(d, o + STRIDE) * load(power, p)
+    down, up = spread(0.0), spread(0.0)
+    for j in range(2, DEGREE + 1):
+        c = load(d, o + j * STRIDE) * load(power, p + (j - 1) * STRIDE)
+        down += min(c, 0.0)
+        up += max(c, 0.0)
+    start, start2 = a * (now - load(guard, guard_at(g, GD0) + block)), u * (now - load(guard, guard_at(h, GD0) + block))
+    none = spread(0.0)
+    first = _unclear(a, none, start, a * slope, min(a * down, a * up), power, _SOONEST + block)
+    return first | (_unclear(u, none, start2, u * slope, min(u * down, u * up), power, _SOONEST + STRIDE + block) << WIDTH)
 
-    Answers _CLEAR, _FALLS (one root) or _SEARCH; then p is divided by t as often as it starts at zero.
+
+@inlined
+def _unclear(a, b, start, slope, dip, power, soonest):
+    round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
+    fall = min(slope, 0.0) + dip
+    stays = (start > round_off) & (start + fall > 0.0)
+    store(power, soonest, where(start > round_off, start / -fall, 0.0))
+    leaves = (abs(start) <= round_off) & (slope > round_off) & (slope + dip > 0.0)  # zero at the start, and rising
+    return lanes_of(stays | leaves) ^ ALL_LANES
+
+
+@inlined
+def _examine(g, l, guard, d, power, pending, pending_count, falling, column, p):
+    """Read one guard closely, its polynomial on the step scaled to [0, 1].
+
+    Answers _CLEAR, _FALLS (one root: the polynomial goes into that column of `falling`) or _SEARCH (it goes into p); it is
+    divided by t as often as it starts at zero.
     """
     e = g // 2
     a, b = guard[guard_at(g, A) + l], guard[guard_at(g, B) + l]
     round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
-    p[0] = a * (d[at(e, 0) + l] - guard[guard_at(g, GD0) + l]) + b * (d[at(e, 1) + l] - guard[guard_at(g, GV0) + l])
-    for j in range(1, DEGREE):
-        p[j] = (a * d[at(e, j) + l] + (j + 1) * b * d[at(e, j + 1) + l]) * power[row(j) + l]
-    p[DEGREE] = a * d[at(e, DEGREE) + l] * power[row(DEGREE) + l]
-    first = 0
+    o, to = at(e, 0) + l, row(0) + column
+    c = a * (d[o] - guard[guard_at(g, GD0) + l]) + b * (d[o + STRIDE] - guard[guard_at(g, GV0) + l])
+    falling[to] = c
+    if c < -round_off:
+        return _postpone(g, l, power, pending, pending_count)
+    first = 0 if c > round_off else 1
+    end, fastest = c, 0.0
+    end_even, fastest_even = 0.0, 0.0  # sums of every second order, for they need not wait for each other
+    for j in range(1, DEGREE, 2):
+        this, that = d[o + j * STRIDE], d[o + (j + 1) * STRIDE]
+        c = (a * this + _ORDER[j + 1] * b * that) * power[row(j) + l]
+        rate = _ORDER[j + 2] * b * d[o + (j + 2) * STRIDE] if j + 1 < DEGREE else 0.0
+        c_even = (a * that + rate) * power[row(j + 1) + l]
+        falling[to + j * STRIDE] = c
+        falling[to + (j + 1) * STRIDE] = c_even
+        end += c
+        end_even += c_even
+        fastest += _ORDER[j] * max(c, 0.0) if j > 1 else c
+        fastest_even += _ORDER[j + 1] * max(c_even, 0.0)
+    end += end_even
+    fastest += fastest_even
+    if first == 0 and fastest < 0.0:
+        return _falls(falling[to], end, fastest, l, column, falling, power)
+    for j in range(DEGREE + 1):
+        p[j] = falling[to + j * STRIDE]
     while first < DEGREE and abs(p[first]) <= round_off:
         first += 1  # within round-off of zero: the next coefficient decides, and the root at zero is divided out
     if abs(p[first]) <= round_off:
         return _CLEAR
     if p[first] < 0.0:
-        pending[row(pending_count[l]) + l] = g
-        pending_count[l] += 1
-        return _CLEAR
-    if first > 0:
-        for j in range(DEGREE + 1):
-            p[j] = p[j + first] if j + first <= DEGREE else 0.0
-    end, fastest = p[0] + p[1], p[1]
-    for j in range(2, DEGREE + 1):
-        end += p[j]
-        fastest += j * max(p[j], 0.0)
-    if fastest >= 0.0:
-        return _SEARCH
-    return _CLEAR if end > 0.0 else _FALLS
+        return _postpone(g, l, power, pending, pending_count)
+    return _examine_shape(p, first, l, column, falling, power)
 
 
 @part
+def _examine_shape(p, first, l, column, falling, power):
+    """Whether a guard that is not simply falling from a positive start has one root, none, or must be searched.
+
+    Divides p by t^first. One that bends down throughout has one root or none, as its end tells; so has one that bends up.
+    """
+    end, slope, fastest, most, least = p[first], 0.0, 0.0, 0.0, 0.0
+    for j in range(DEGREE + 1):
+        c = p[j + first] if j + first <= DEGREE else 0.0
+        p[j] = c
+        falling[row(j) + column] = c
+        if j == 0:
+            continue
+        end += c
+        slope += j * c
+        fastest += j * max(c, 0.0) if j > 1 else c
+        bend = j * (j - 1.0) * c
+        most += max(bend, 0.0) if j > 2 else bend
+        least += min(bend, 0.0) if j > 2 else bend
+    if fastest < 0.0:
+        return _falls(p[0], end, fastest, l, column, falling, power)
+    if most <= 0.0 or least >= 0.0:
+        if end < 0.0:  # Newton's method from where it goes straight to the root
+            falling[row(together.ROOT) + column] = 1.0 if most <= 0.0 else 0.0
+            return _FALLS
+        if most <= 0.0 or p[1] >= 0.0 or slope <= 0.0:
+            return _CLEAR
+    return _SEARCH
+
+
+@inlined
+def _falls(start, end, fastest, l, column, falling, power):
+    """Whether a guard that falls throughout, by no less than -`fastest`, turns negative in the step: when at the latest."""
+    if end > 0.0:
+        return _CLEAR
+    falling[row(together.ROOT) + column] = start / (start - end)
+    power[_LATEST + l] = min(power[_LATEST + l], start / -fastest)
+    return _FALLS
+
+
+@inlined
+def _postpone(g, l, power, pending, pending_count):
+    """A guard negative at the start: its mode changes before anything else happens."""
+    power[_LATEST + l] = 0.0
+    pending[row(pending_count[l]) + l] = g
+    pending_count[l] += 1
+    return _CLEAR
+
+
+@inlined
 def _note(g, l, root, power, event):
     """Keep the earliest root of a lane."""
-    at_lane = row(DEGREE + 1) + l
-    if root < power[at_lane] or (root == 1.0 and event[l] == NO_EVENT):
-        power[at_lane] = root
+    if root < power[_FIRST + l] or (root == 1.0 and event[l] == NO_EVENT):
+        power[_FIRST + l] = root
         event[l] = g
 
 
 @part
-def _solve_together(count, falling, owner, power, event):
-    """Newton's method on `count` polynomials that fall through zero once on [0, 1], all at once; by bisection, the rest."""
-    t, moved = row(DEGREE + 1), row(DEGREE + 2)
-    n = np.uint64(count)
-    stride = np.uint64(STRIDE)
-    for x in range(n):
-        start = falling[x]
-        end = start
-        for j in range(1, DEGREE + 1):
-            end += falling[row(j) + x]
-        falling[t + x] = start / (start - end)
-        falling[moved + x] = 1.0
-    for _ in range(6):
-        for x in range(n):
-            at_x = falling[t + x]
-            o = row(DEGREE) + x
-            f = falling[o]
-            slope = 0.0
-            for _j in range(DEGREE):  # unrolled Horner, value and slope
-                o -= stride
-                slope = slope * at_x + f
-                f = f * at_x + falling[o]
-            nearer = min(max(at_x - f / slope, 0.0), 1.0)
-            falling[moved + x] = abs(nearer - at_x)
-            falling[t + x] = nearer
-    for x in range(n):
-        root = falling[t + x]
-        if not falling[moved + x] <= 1e-12:
-            root = _bisect(x, falling)
-        two = np.uint64(2)
-        _note(owner[two * x + np.uint64(1)], np.uint64(owner[two * x]), root, power, event)
-
-
-@part
-def _bisect(x, falling):
-    low, high = 0.0, 1.0
-    for _ in range(53):
-        t = 0.5 * (low + high)
-        f = 0.0
-        for j in range(DEGREE, -1, -1):
-            f = f * t + falling[row(j) + x]
-        if f > 0.0:
-            low = t
-        else:
-            high = t
-    return high
+def _note_all(count, falling, owner, power, event):
+    """Solve the guards that fall, and keep the earliest root of each lane."""
+    together.solve(count, falling)
+    for x in range(count):
+        _note(owner[2 * x + 1], owner[2 * x], falling[row(together.ROOT) + x], power, event)

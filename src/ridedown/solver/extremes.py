@@ -1,28 +1,55 @@
 """Exact extremes of tracked quantities: from each step's polynomial, not from samples.
 
-The ends of the step count, and where some point between could go beyond them, the polynomial is searched. A quantity of one
-term (an acceleration, a force, a relative displacement) is read from its series in place; one of several is summed first.
+The ends of the step count, and where some point between could go beyond them, the polynomial is searched. Most of those turn
+once, from rising to falling: Newton's method finds the tops of all of them side by side. The rest go to Bernstein
+coefficients. A quantity of one term (an acceleration, a force, a relative displacement) is read from its series in place; one
+of several is summed first.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ridedown.compiled import part
+from ridedown.compiled import inlined, part
 from ridedown.network import Family
-from ridedown.solver import polynomial
-from ridedown.solver.layout import BEST, DEGREE, END, FALL, RISE, STRIDE, WHEN, at, extreme_at, row
+from ridedown.solver import polynomial, together
+from ridedown.solver.layout import BEST, DEGREE, STRIDE, WHEN, at, extreme_at, row
+from ridedown.solver.vector import WIDTH, first_lane, lanes_of, load, store, where
 
 POSITION, RATE, ACCELERATION, DEFLECTION, DEFLECTION_RATE, FORCE = (int(family) for family in Family)
+
+
+_ORDER = np.arange(DEGREE + 1.0)
+
+
+@part
+def track_all(
+    lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, series,
+    time, step, power, extreme, falling, owner, poly, room,
+):  # fmt: skip
+    """Raise every tracked extreme by what this step holds. `falling` and `owner` are room for polynomials solved together."""
+    for k in range(tracked_sense.size):
+        first = tracked_start[k]
+        family, base = tracked_family[first], at(tracked_index[first], 0)
+        source = q
+        if family == ACCELERATION:
+            source = acc
+        elif family == DEFLECTION:
+            source = d
+        elif family == FORCE:
+            source = f
+        alone = tracked_start[k + 1] == first + 1 and tracked_weight[first] == 1.0
+        if not alone or family in (RATE, DEFLECTION_RATE):
+            _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series)
+            source, base = series, 0
+        _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, falling, owner, poly, room)
 
 
 @part
 def _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series):
     """The series of tracked quantity k in all lanes."""
-    for j in range(DEGREE + 1):
-        to = row(j)
-        for l in range(lanes):
-            series[to + l] = 0.0
+    for l in range(0, (DEGREE + 1) * STRIDE, WIDTH):
+        store(series, l, 0.0)
     for n in range(tracked_start[k], tracked_start[k + 1]):
         family, index, weight = tracked_family[n], tracked_index[n], tracked_weight[n]
         source = q
@@ -36,93 +63,118 @@ def _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weig
         for j in range(DEGREE + 1 - shift):
             to, of = row(j), at(index, j + shift)
             factor = weight if shift == 0 else weight * (j + 1.0)
-            for l in range(lanes):
-                series[to + l] += factor * source[of + l]
+            for l in range(0, lanes, WIDTH):
+                store(series, to + l, load(series, to + l) + factor * load(source, of + l))
 
 
 @part
-def _bounds(lanes, source, base, power, extreme, end, rise, fall):
-    """The series' value at the end of the step, and how high it and its negative could go at most between."""
-    stride = np.uint64(STRIDE)
-    for l in range(lanes):
-        o = base + l
-        start = source[o]
-        c = source[o + stride] * power[row(1) + l]
-        total = start + c
-        more = max(c, 0.0)
-        less = max(-c, 0.0)
-        slowest = c
-        fastest = c
-        o += stride
-        for j in range(2, DEGREE + 1):  # unrolled: DEGREE is a constant
-            o += stride
-            c = source[o] * power[row(j) + l]
-            up = max(c, 0.0)
-            down = max(-c, 0.0)
-            total += c
-            more += up
-            less += down
-            fastest += j * up
-            slowest -= j * down
-        # one that rises or falls throughout does not go beyond its ends
-        turns = (slowest < 0.0) & (fastest > 0.0)
-        extreme[end + l] = total
-        extreme[rise + l] = start + more if turns else -np.inf
-        extreme[fall + l] = less - start if turns else -np.inf
-
-
-@part
-def _track(lanes, k, sense, source, base, time, step, power, extreme, suspect, poly, room):
+def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, owner, poly, room):
     """Raise extreme k by what this step holds of a series, whose row of order 0 starts at `base` in `source`.
 
     `sense`: +1 largest, -1 smallest (kept as its negative), 0 largest magnitude.
     """
     best, when = extreme_at(k, BEST), extreme_at(k, WHEN)
-    end, rise, fall = extreme_at(k, END), extreme_at(k, RISE), extreme_at(k, FALL)
-    _bounds(lanes, source, base, power, extreme, end, rise, fall)
-    for l in range(lanes):
-        now = extreme[best + l]
-        ends = (abs(source[base + l]) > now) | (abs(extreme[end + l]) > now)
-        suspect[l] = ends | (extreme[rise + l] > now) | (extreme[fall + l] > now)
-    for l in range(lanes):
-        if suspect[l] != 0 and step[l] > 0.0:
-            start, finish = source[base + l], extreme[end + l]
-            low = abs(start) if sense == 0 else sense * start
-            high = abs(finish) if sense == 0 else sense * finish
-            if low > extreme[best + l]:
-                extreme[best + l] = low
-                extreme[when + l] = time[l]
-            if high > extreme[best + l]:
-                extreme[best + l] = high
-                extreme[when + l] = time[l] + step[l]
-            for sign in (1.0, -1.0):
-                if extreme[(rise if sign > 0.0 else fall) + l] > extreme[best + l] and sense * sign >= 0.0:
-                    for j in range(DEGREE + 1):
-                        poly[j] = sign * source[base + row(j) + l] * power[row(j) + l]
-                    peak, where = polynomial.maximum(poly, extreme[best + l], room)
-                    if where >= 0.0:
-                        extreme[best + l] = peak
-                        extreme[when + l] = time[l] + where * step[l]
+    count = 0
+    for block in range(0, lanes, WIDTH):
+        o = base + block
+        start = load(source, o)
+        c = load(source, o + STRIDE) * load(power, row(1) + block)
+        end = start + c
+        highest = start + max(c, 0.0)  # with every coefficient that pulls up, or down, taken in full
+        lowest = start + min(c, 0.0)
+        fastest, slowest = c, c
+        for j in range(2, DEGREE + 1):
+            c = load(source, o + row(j)) * load(power, row(j) + block)
+            up, down = max(c, 0.0), min(c, 0.0)
+            end += c
+            highest += up
+            lowest += down
+            fastest += j * up
+            slowest += j * down
+        low, high = abs(start), abs(end)
+        if sense > 0:
+            low, high = start, end
+        elif sense < 0:
+            low, high = -start, -end
+        length, begun = load(step, block), load(time, block)
+        moved = length > 0.0
+        now, since = load(extreme, best + block), load(extreme, when + block)
+        better = moved & (low > now)
+        now, since = where(better, low, now), where(better, begun, since)
+        better = moved & (high > now)
+        now, since = where(better, high, now), where(better, begun + length, since)
+        store(extreme, best + block, now)
+        store(extreme, when + block, since)
+        # one that rises or falls throughout does not go beyond its ends
+        turns = moved & (slowest < 0.0) & (fastest > 0.0)
+        above = lanes_of(turns & (highest > now)) if sense >= 0 else 0
+        below = lanes_of(turns & (-lowest > now)) if sense <= 0 else 0
+        search = above | (below << WIDTH)
+        while search != 0:
+            bit = first_lane(search)
+            search &= search - 1
+            l, sign = block + bit % WIDTH, 1.0 if bit < WIDTH else -1.0
+            if count == STRIDE:
+                _raise_all(count, source, base, time, step, best, when, extreme, falling, owner)
+                count = 0
+            kind = _examine(l, sign, source, base, power, falling, count, poly)
+            if kind == _TURNS:
+                owner[2 * count] = l
+                owner[2 * count + 1] = 1 if sign > 0.0 else -1
+                count += 1
+            elif kind == _SEARCH:
+                peak, at_fraction = polynomial.maximum(poly, extreme[best + l], room)
+                if at_fraction >= 0.0:
+                    extreme[best + l] = peak
+                    extreme[when + l] = time[l] + at_fraction * step[l]
+    _raise_all(count, source, base, time, step, best, when, extreme, falling, owner)
+
+
+_CLEAR, _TURNS, _SEARCH = range(3)
+
+
+@inlined
+def _examine(l, sign, source, base, power, falling, column, p):
+    """Where a series, times `sign` and scaled to [0, 1], may have a top inside the step of lane l.
+
+    Answers _CLEAR (nowhere), _TURNS (it rises, then falls: its slope goes into that column of `falling`) or _SEARCH (it goes
+    into p).
+    """
+    o, to = base + l, row(0) + column
+    p[0] = sign * source[o]
+    start = sign * source[o + STRIDE] * power[row(1) + l]
+    p[1] = start
+    falling[to] = start
+    falling[to + DEGREE * STRIDE] = 0.0
+    end, most, least = start, 0.0, 0.0  # of its slope; and how it bends
+    for j in range(2, DEGREE + 1):
+        c = sign * source[o + j * STRIDE] * power[row(j) + l]
+        p[j] = c
+        slope = _ORDER[j] * c
+        falling[to + (j - 1) * STRIDE] = slope
+        end += slope
+        bend = _ORDER[j - 1] * slope
+        most += max(bend, 0.0) if j > 2 else bend
+        least += min(bend, 0.0) if j > 2 else bend
+    if least > 0.0:
+        return _CLEAR  # it is highest at an end
+    if most < 0.0:
+        falling[row(together.ROOT) + column] = start / (start - end)
+        return _TURNS if start > 0.0 and end < 0.0 else _CLEAR
+    return _SEARCH
 
 
 @part
-def track_all(
-    lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, series,
-    time, step, power, extreme, suspect, poly, room,
-):  # fmt: skip
-    """Raise every tracked extreme by what this step holds."""
-    for k in range(tracked_sense.size):
-        first = tracked_start[k]
-        family, base = tracked_family[first], at(tracked_index[first], np.int64(0))
-        source = q
-        if family == ACCELERATION:
-            source = acc
-        elif family == DEFLECTION:
-            source = d
-        elif family == FORCE:
-            source = f
-        alone = tracked_start[k + 1] == first + 1 and tracked_weight[first] == 1.0
-        if not alone or family in (RATE, DEFLECTION_RATE):
-            _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series)
-            source, base = series, np.uint64(0)
-        _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, suspect, poly, room)
+def _raise_all(count, source, base, time, step, best, when, extreme, falling, owner):
+    """Find where the slopes at hand turn negative, and raise the extreme to what the series is there."""
+    together.solve(count, falling)
+    for x in range(count):
+        l, t = owner[2 * x], falling[row(together.ROOT) + x]
+        h = t * step[l]
+        top = 0.0
+        for j in range(DEGREE, -1, -1):
+            top = top * h + source[base + row(j) + l]
+        top *= owner[2 * x + 1]
+        if top > extreme[best + l]:
+            extreme[best + l] = top
+            extreme[when + l] = time[l] + h

@@ -23,7 +23,7 @@ in rows as `layout` says; `mode` in rows, one an element. Guards 2e and 2e + 1 a
 
 from __future__ import annotations
 
-from ridedown.compiled import part
+from ridedown.compiled import inlined, part
 from ridedown.network import Law
 from ridedown.solver.layout import D0, F0, GD0, GV0, LATCH, PIECE, SET, V0, A, B, C, K, guard_at, line_at, memory_at, row
 
@@ -97,7 +97,7 @@ def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guar
     _guard(2 * e + 1, l, a2, b2, d2, v2, guard)
 
 
-@part
+@inlined
 def _guard(g, l, a, b, d0, v0, guard):
     guard[guard_at(g, A) + l] = a
     guard[guard_at(g, B) + l] = b
@@ -105,7 +105,7 @@ def _guard(g, l, a, b, d0, v0, guard):
     guard[guard_at(g, GV0) + l] = v0
 
 
-@part
+@inlined
 def next_mode(e, l, crash, second, d, v, law, piece_start, coefficients, pieces, memory, mode):
     """The mode on the other side of element e's first or second guard; takes down what the law must remember.
 

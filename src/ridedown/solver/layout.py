@@ -1,18 +1,14 @@
 """Where things lie in the solver's flat arrays.
 
-Everything that the lanes carry is kept in rows of STRIDE numbers, one number a lane, and a row's place follows from constants:
-so the compiler knows that rows do not overlap, keeps sums in registers and turns loops over lanes into vector instructions.
-Offsets are unsigned, which spares it the test for negative indices.
+Everything that the lanes carry is kept in rows of STRIDE numbers, one number a lane; a row's place follows from constants.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
 from ridedown.compiled import inlined
 
 STRIDE = 72
-"""Lanes there is room for; how many are in use is up to the caller."""
+"""Lanes there is room for, in whole vectors; how many are in use is up to the caller."""
 
 DEGREE = 16
 """Degree of the position series; accelerations have degree DEGREE - 2."""
@@ -31,43 +27,42 @@ LATCH, SET, PIECE = range(3)
 """Rows of a law's memory. Threshold: v*. Plastic: largest deflection so far, permanent set, piece unloaded from (0: never)."""
 MEMORY_ROWS = 3
 
-BEST, WHEN, END, RISE, FALL = range(5)
-"""Rows of a tracked extreme: the best so far, its time; of this step, the value at its end, and how high it and its negative
-could go at most."""
-EXTREME_ROWS = 5
+BEST, WHEN = range(2)
+"""Rows of a tracked extreme: the best so far, and its time."""
+EXTREME_ROWS = 2
 
 
 @inlined
 def at(index, order):
     """Start of the row of that order in the series of a coordinate, element or bar."""
-    return np.uint64((index * ORDERS + order) * STRIDE)
+    return (index * ORDERS + order) * STRIDE
 
 
 @inlined
 def row(index):
     """Start of the row of that number."""
-    return np.uint64(index * STRIDE)
+    return index * STRIDE
 
 
 @inlined
 def line_at(e, part):
     """Start of a row of an element's line of force."""
-    return np.uint64((e * LINE_ROWS + part) * STRIDE)
+    return (e * LINE_ROWS + part) * STRIDE
 
 
 @inlined
 def guard_at(g, part):
     """Start of a row of a guard; element e has guards 2 e and 2 e + 1."""
-    return np.uint64((g * GUARD_ROWS + part) * STRIDE)
+    return (g * GUARD_ROWS + part) * STRIDE
 
 
 @inlined
 def memory_at(e, part):
     """Start of a row of what an element's law remembers."""
-    return np.uint64((e * MEMORY_ROWS + part) * STRIDE)
+    return (e * MEMORY_ROWS + part) * STRIDE
 
 
 @inlined
 def extreme_at(k, part):
     """Start of a row of a tracked extreme."""
-    return np.uint64((k * EXTREME_ROWS + part) * STRIDE)
+    return (k * EXTREME_ROWS + part) * STRIDE

@@ -18,9 +18,22 @@ from pathlib import Path
 
 import numpy as np
 
-from ridedown.compiled import folder_of, kernel, part
+from ridedown.compiled import folder_of, inlined, kernel, part
 from ridedown.solver import events, extremes, laws, series
 from ridedown.solver.layout import BEST, DEGREE, MEMORY_ROWS, SET, STRIDE, WHEN, at, extreme_at, memory_at, row
+from ridedown.solver.vector import (
+    ALL_LANES,
+    WIDTH,
+    binary_exponent,
+    first_lane,
+    floor,
+    lanes_of,
+    load,
+    power_of_two,
+    spread,
+    store,
+    where,
+)
 
 
 class Stop(IntEnum):
@@ -35,9 +48,9 @@ class Stop(IntEnum):
 
 
 COMPLETED, TOO_MANY_STEPS, BAR_TURNED, NOT_FINITE, CHATTER, RECORD_FULL = (int(stop) for stop in Stop)
-GOING = -1
 NO_CRASH = -1
 """Crash number of a lane that has none."""
+NO, YES = events.NO, events.YES
 
 STEP_LIMIT = 100_000
 _BAR_LIMIT = 1.4  # rad: tan has its pole at pi/2
@@ -45,6 +58,7 @@ _IDLE_ALL = 6  # steps of no length in which every negative guard may change its
 _IDLE_LIMIT = 60  # steps of no length before a crash is given up as chattering
 _GAUSS = np.polynomial.legendre.leggauss(DEGREE + 1)  # exact to twice the degree
 _NODES, _WEIGHTS = 0.5 * (1.0 + _GAUSS[0]), 0.5 * _GAUSS[1]
+_TINY = 1e-300  # a coefficient below it sets no step
 _BRAKING_TIME = 0.05  # s: a crash brakes its speed in about so long; sets the scale of acceleration
 
 
@@ -60,33 +74,35 @@ def march(s, x, w, out, record, tolerance, with_work):
 
     `tolerance`: what the last acceleration coefficients of a step may amount to, over the crash's own scale of acceleration.
     """
-    # plain arrays from here on: the compiler turns loops over them into vector instructions
+    # plain arrays from here on: named tuples passed on cost reference counts
     parent, law, lever, bars, bar_of, arm = s.parent, s.law, s.lever, s.bar_coordinate, s.bar_of, w.arm
     term_start, term_coordinate, term_sign = s.term_start, s.term_coordinate, s.term_sign
     pull_start, pull_element, pull_sign = s.pull_start, s.pull_element, s.pull_sign
     piece_start, coefficients, pieces, duration = s.piece_start, x.coefficients, x.pieces, x.duration
-    crash, time, step, power, last, steps, idle = w.crash, w.time, w.step, w.power, w.last, w.steps, w.idle
-    q, acc, d, f, tan, sec2, moment = w.q, w.acc, w.d, w.f, w.tan, w.sec2, w.moment
+    crash, until, time, step, power = w.crash, w.until, w.time, w.step, w.power
+    last, steps, idle = w.last, w.steps, w.idle
+    q, acc, d, f = w.q, w.acc, w.d, w.f
+    tan, sec2, turn, moment = w.tan, w.sec2, w.turn, w.moment
     inverse_inertia, scale, mode, line, guard, memory = w.inverse_inertia, w.scale, w.mode, w.line, w.guard, w.memory
-    event, suspect, pending, pending_count, falling, owner = (
-        w.event, w.suspect, w.pending, w.pending_count, w.falling, w.owner
-    )  # fmt: skip
+    event, pending, pending_count, falling, owner = w.event, w.pending, w.pending_count, w.falling, w.owner
     extreme, work, lane_series, poly, room = w.extreme, w.work, w.series, w.poly, w.room
     tracked_start, tracked_family, tracked_index = s.tracked_start, s.tracked_family, s.tracked_index
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
 
-    lanes = np.uint64(min(STRIDE, duration.size))
-    taken = np.int64(0)
-    active = np.int64(0)
+    places = min(STRIDE, duration.size)
+    lanes = (places + WIDTH - 1) // WIDTH * WIDTH  # in whole vectors
+    taken = 0
+    active = 0
     for l in range(lanes):
         crash[l] = NO_CRASH
+        event[l] = events.NO_EVENT
 
     while True:
-        for l in range(lanes):
+        for l in range(places if taken < duration.size else 0):
             if crash[l] == NO_CRASH and taken < duration.size:
                 _load(
-                    l, taken, x.inertia, x.rate, x.arm, crash, time, last, steps, idle, pending_count, q, inverse_inertia,
+                    l, taken, x.inertia, x.rate, x.arm, duration, crash, until, time, last, steps, idle, q, inverse_inertia,
                     scale, arm,
                 )  # fmt: skip
                 _open(
@@ -97,46 +113,49 @@ def march(s, x, w, out, record, tolerance, with_work):
                 active += 1
         if active == 0:
             break
-        series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, d)
+        series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, turn, d)
         for l in range(lanes):  # the mode beyond each guard that has turned negative
+            if pending_count[l] == 0:
+                continue
             changed = -1
             for n in range(pending_count[l]):
                 g = pending[row(n) + l]
                 if g // 2 != changed:
                     changed = g // 2
                     _change(g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log)
+            pending_count[l] = 0
 
         for j in range(DEGREE):
             if j > 0:
-                series.tangents(lanes, j, bars, q, tan, sec2)
-            series.forces(lanes, j, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
+                series.tangents(lanes, j, bars, q, tan, sec2, turn)
+            series.forces(lanes, j, law, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
             if j < DEGREE - 1:
                 series.accelerations(
                     lanes, j, s.conjugate, parent, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
                     sec2, moment, f, acc, q,
                 )  # fmt: skip
 
-        _choose_steps(
-            lanes, parent.size, bars.size, tolerance, crash, duration, time, scale, idle, w.trial, q, tan, step, last, power
-        )
+        _choose_steps(lanes, parent.size, bars.size, tolerance, until, time, scale, idle, w.trial, q, tan, step, last, power)
         events.find(
-            lanes, 2 * law.size, guard, d, crash, last, step, power, event, pending, pending_count, suspect, falling, owner,
-            poly, room,
+            lanes, law, guard, d, crash, last, step, power, event, pending, pending_count, falling, owner, poly,
+            room,
         )  # fmt: skip
         for l in range(lanes):
             if pending_count[l] > 0:  # rule 2: a step of no length
                 step[l] = 0.0
-                last[l] = False
-                idle[l] += 1
+                last[l] = NO
+                idle[l] += 1.0
+                event[l] = events.NO_EVENT
                 if idle[l] > _IDLE_ALL:
                     pending_count[l] = 1
             elif event[l] != events.NO_EVENT:  # rule 5
                 pending[l] = event[l]
                 pending_count[l] = 1
+                event[l] = events.NO_EVENT
         _powers(lanes, step, power)
         extremes.track_all(
             lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, lane_series,
-            time, step, power, extreme, suspect, poly, room,
+            time, step, power, extreme, falling, owner, poly, room,
         )  # fmt: skip
         if with_work:
             _add_work(lanes, law.size, step, d, f, work)
@@ -144,27 +163,32 @@ def march(s, x, w, out, record, tolerance, with_work):
             _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, record.kept)
         _advance(lanes, parent.size, step, time, steps, idle, q, scale)
 
-        for l in range(lanes):
-            if crash[l] >= 0:
-                stop = _stop_of(l, last, steps, idle, scale, bars, q, phases.shape[0], record.kept[0], log)
-                if stop != GOING:
+        full = phases.shape[0] > 0 and (record.kept[0] >= phases.shape[0] or int(log[0, 0]) + 1 >= log.shape[0])
+        for block in range(0, lanes, WIDTH):
+            stopped = ALL_LANES if full else _stopped(block, until, last, steps, idle, scale, bars, q)
+            while stopped != 0:
+                l = block + first_lane(stopped)
+                stopped &= stopped - 1
+                if crash[l] >= 0:
+                    stop = _stop_of(l, last, steps, idle, scale, bars, q)
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH
+                    until[l] = 0.0
                     pending_count[l] = 0
                     active -= 1
 
 
 @part
 def _load(
-    l, number, inertia, rate, arms, crash, time, last, steps, idle, pending_count, q, inverse_inertia, scale, arm
+    l, number, inertia, rate, arms, duration, crash, until, time, last, steps, idle, q, inverse_inertia, scale, arm
 ):  # fmt: skip
     """Put a crash into lane l, at its start."""
     crash[l] = number
+    until[l] = duration[number]
     time[l] = 0.0
-    last[l] = False
-    steps[l] = 0
-    idle[l] = 0
-    pending_count[l] = 0
+    last[l] = NO
+    steps[l] = 0.0
+    idle[l] = 0.0
     fastest = 1e-3
     for i in range(inertia.shape[0]):
         q[at(i, 0) + l] = 0.0
@@ -189,7 +213,7 @@ def _open(l, number, law, piece_start, coefficients, pieces, line, guard, memory
         extreme[extreme_at(k, WHEN) + l] = 0.0
 
 
-@part
+@inlined
 def _change(g, l, number, time, d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log):
     """Guard g of lane l has turned negative: into the mode on its other side, and note the event down."""
     e = g // 2
@@ -208,79 +232,80 @@ def _change(g, l, number, time, d, law, piece_start, coefficients, pieces, line,
 
 
 @part
-def _choose_steps(lanes, coordinates, bars, tolerance, crash, duration, time, scale, idle, trial, q, tan, step, last, power):
+def _choose_steps(lanes, coordinates, bars, tolerance, until, time, scale, idle, trial, q, tan, step, last, power):
     """The length of each lane's step, from its last acceleration coefficients, and no further than the end.
 
     If they fall off as scale / r^n, the step is the same fraction of r whichever of them is looked at. Four are: in a motion
     from rest, or one that is even in time, every second or three in four are zero. The tangents are looked at too: under
     constant forces they alone go on for ever.
     """
-    for j in range(DEGREE - 3, DEGREE + 1):
-        total = row(j)  # a sum, not a maximum, for that would pass over what is no number
-        for l in range(lanes):
-            power[total + l] = 0.0
-        for i in range(coordinates):
-            of = at(i, j)
-            for l in range(lanes):
-                power[total + l] += abs(q[of + l])
-        for b in range(bars):
-            of = at(b, j)
-            for l in range(lanes):
-                power[total + l] += abs(tan[of + l])
-    share = tolerance ** (1.0 / (DEGREE - 2))
-    for l in range(lanes):
-        last[l] = False
-        step[l] = 0.0
-        if crash[l] < 0:
-            continue
-        inverse = 0.0  # of r
+    share = np.log2(tolerance) / (DEGREE - 2)
+    for block in range(0, lanes, WIDTH):
+        steepest = spread(-1e3)  # the logarithm of 1 / r
+        finite = load(scale, block) < np.inf
         for j in range(DEGREE - 3, DEGREE + 1):
-            coefficient = j * (j - 1) * power[row(j) + l] / scale[l]
-            if not np.isfinite(coefficient):
-                scale[l] = np.nan  # the lane stops here, where it is
-            elif coefficient > 0.0:
-                inverse = max(inverse, coefficient ** (1.0 / (j - 2)))
-        if not np.isfinite(scale[l]):
-            continue
-        h = share / inverse if inverse > 0.0 else np.inf
+            total = spread(0.0)
+            for i in range(coordinates):
+                total += abs(load(q, at(i, j) + block))
+            for b in range(bars):
+                total += abs(load(tan, at(b, j) + block))
+            coefficient = j * (j - 1.0) * total / load(scale, block)
+            finite &= coefficient < np.inf
+            steepest = max(steepest, _logarithm(max(coefficient, _TINY)) * (1.0 / (j - 2)))
+        store(scale, block, where(finite, load(scale, block), np.nan))  # a lane that is not finite stops where it is
+        h, tried = _power_of_two(share - steepest), load(trial, block)
         # while modes settle, the step they are read on never grows: so what is round-off in one mode is in the next
-        trial[l] = min(h, trial[l]) if idle[l] > 0 else h
-        remaining = duration[crash[l]] - time[l]
-        last[l] = not trial[l] < remaining
-        step[l] = remaining if last[l] else trial[l]
+        h = where((load(idle, block) > 0.0) & (h > tried), tried, h)
+        store(trial, block, h)
+        remaining = load(until, block) - load(time, block)
+        goes = finite & (load(until, block) > 0.0)  # a lane without a crash does not
+        ends = goes & (h >= remaining)
+        store(last, block, where(ends, YES, NO))
+        store(step, block, where(goes, min(h, remaining), 0.0))
     _powers(lanes, step, power)
+
+
+@inlined
+def _logarithm(x):
+    """To base two, within 0.01: a step's length needs no more. x positive and normal."""
+    exponent, fraction = binary_exponent(x)
+    return exponent + (2.0 - fraction * (1.0 / 3.0)) * fraction - 5.0 / 3.0
+
+
+@inlined
+def _power_of_two(y):
+    """2^y within 0.3 %."""
+    y = min(max(y, -1e3), 1e3)
+    below = floor(y)
+    rest = y - below
+    return power_of_two(below) * (1.0 + rest * (2.0 / 3.0 + rest * (1.0 / 3.0)))
 
 
 @part
 def _powers(lanes, step, power):
     """Powers of each lane's step, in rows by order."""
-    for l in range(lanes):
-        p = 1.0
+    for block in range(0, lanes, WIDTH):
+        h, p = load(step, block), spread(1.0)
         for j in range(DEGREE + 1):
-            power[row(j) + l] = p
-            p *= step[l]
+            store(power, row(j) + block, p)
+            p *= h
 
 
 @part
 def _add_work(lanes, elements, step, d, f, work):
     """Work done on each element in this step: the integral of f d' dt, exact by Gauss's rule."""
-    stride = np.uint64(STRIDE)
     for e in range(elements):
-        to, top_f, top_d = row(e), at(e, DEGREE - 1), at(e, DEGREE)
-        for n in range(_NODES.size):
-            for l in range(lanes):
-                t = _NODES[n] * step[l]
-                o = top_f + l
-                force = f[o]
-                for _j in range(DEGREE - 1):  # unrolled: DEGREE is a constant
-                    o -= stride
-                    force = force * t + f[o]
-                o = top_d + l
-                rate = DEGREE * d[o]
+        for block in range(0, lanes, WIDTH):
+            h, total = load(step, block), spread(0.0)
+            for n in range(_NODES.size):
+                t = _NODES[n] * h
+                force, rate = load(f, at(e, DEGREE - 1) + block), DEGREE * load(d, at(e, DEGREE) + block)
                 for j in range(DEGREE - 1, 0, -1):
-                    o -= stride
-                    rate = rate * t + float(j) * d[o]
-                work[to + l] += _WEIGHTS[n] * step[l] * force * rate if step[l] > 0.0 else 0.0
+                    force = force * t + load(f, at(e, j - 1) + block)
+                    rate = rate * t + float(j) * load(d, at(e, j) + block)
+                total += _WEIGHTS[n] * force * rate
+            to = row(e) + block
+            store(work, to, load(work, to) + where(h > 0.0, total * h, 0.0))
 
 
 @part
@@ -301,35 +326,45 @@ def _keep_phase(coordinates, elements, time, step, q, d, f, phases, kept):
 @part
 def _advance(lanes, coordinates, step, time, steps, idle, q, scale):
     """The state at the end of the step."""
-    for i in range(coordinates):
-        position_row, rate_row, top = at(i, 0), at(i, 1), at(i, DEGREE)
-        stride = np.uint64(top - at(i, DEGREE - 1))
-        for l in range(lanes):
-            h = step[l]
-            o = top + l
-            position = q[o]
-            rate = DEGREE * q[o]
-            for j in range(DEGREE - 1, 0, -1):  # unrolled: DEGREE is a constant
-                o -= stride
-                position = position * h + q[o]
-                rate = rate * h + float(j) * q[o]
-            position = q[position_row + l] + position * h
-            q[position_row + l] = position if h > 0.0 else q[position_row + l]
-            q[rate_row + l] = rate if h > 0.0 else q[rate_row + l]
+    for block in range(0, lanes, WIDTH):
+        h = load(step, block)
+        moved = h > 0.0
+        for i in range(coordinates):
+            o = at(i, DEGREE) + block
+            position = load(q, o)
+            rate = DEGREE * position
+            for j in range(DEGREE - 1, 0, -1):
+                o -= STRIDE
+                c = load(q, o)
+                position = position * h + c
+                rate = rate * h + float(j) * c
+            at_start, rate_row = load(q, o - STRIDE), o
+            position = position * h + at_start
+            store(q, rate_row, where(moved, rate, load(q, rate_row)))
+            store(q, rate_row - STRIDE, where(moved, position, at_start))
             # a number that is not finite makes this one not finite too, and nothing else ever does
-            scale[l] += 0.0 * (position + rate) if h > 0.0 else 0.0
-    for l in range(lanes):
-        time[l] += step[l]
-        steps[l] += 1
-        idle[l] = 0 if step[l] > 0.0 else idle[l]
+            store(scale, block, load(scale, block) + where(moved, 0.0 * (position + rate), 0.0))
+        store(time, block, load(time, block) + h)
+        store(steps, block, load(steps, block) + 1.0)
+        store(idle, block, where(moved, 0.0, load(idle, block)))
 
 
 @part
-def _stop_of(l, last, steps, idle, scale, bars, q, capacity, kept, log):
-    """Why lane l ends here, or GOING."""
+def _stopped(block, until, last, steps, idle, scale, bars, q):
+    """The lanes of a block whose crash ends here, as bits."""
+    goes = (load(until, block) > 0.0) & (load(last, block) == NO) & (load(scale, block) < np.inf)
+    goes &= (load(idle, block) <= _IDLE_LIMIT) & (load(steps, block) <= STEP_LIMIT)
+    for b in range(bars.size):
+        goes &= abs(load(q, at(bars[b], 0) + block)) <= _BAR_LIMIT
+    return lanes_of(goes) ^ ALL_LANES
+
+
+@part
+def _stop_of(l, last, steps, idle, scale, bars, q):
+    """Why lane l ends here."""
     if not np.isfinite(scale[l]):
         return NOT_FINITE
-    if last[l]:
+    if last[l] != NO:
         return COMPLETED
     for b in range(bars.size):
         if abs(q[at(bars[b], 0) + l]) > _BAR_LIMIT:
@@ -338,16 +373,14 @@ def _stop_of(l, last, steps, idle, scale, bars, q, capacity, kept, log):
         return CHATTER
     if steps[l] > STEP_LIMIT:
         return TOO_MANY_STEPS
-    if capacity > 0 and (kept >= capacity or int(log[0, 0]) + 1 >= log.shape[0]):
-        return RECORD_FULL
-    return GOING
+    return RECORD_FULL
 
 
 @part
 def _store(l, number, stop, time, steps, q, memory, work, extreme, out):
     out.stop[number] = stop
     out.time[number] = time[l]
-    out.steps[number] = steps[l]
+    out.steps[number] = int(steps[l])
     for i in range(out.position.shape[0]):
         out.position[i, number] = q[at(i, 0) + l]
         out.rate[i, number] = q[at(i, 1) + l]

@@ -4,115 +4,115 @@ With the coefficients of the positions up to order j + 1 known, those of the for
 them the positions' of order j + 2: `q[j+2] = acceleration[j] / ((j + 1)(j + 2))`. The tangent of a bar's rotation has its own
 recurrence, `T' = (1 + T^2) theta'`.
 
-Series in rows as `layout.at` says: q and acc of the coordinates (acc absolute), d and f of the elements, tan, sec2 and moment
-of the bars.
+Series in rows as `layout.at` says: q and acc of the coordinates (acc absolute; that of the ground, zero, comes last), d and f
+of the elements, tan, sec2, turn (theta') and moment of the bars.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ridedown.compiled import part
-from ridedown.solver.layout import D0, F0, V0, C, K, at, line_at, row
+from ridedown.compiled import inlined, part
+from ridedown.solver.laws import ELASTIC, PLASTIC
+from ridedown.solver.layout import D0, F0, STRIDE, V0, C, K, at, line_at, row
+from ridedown.solver.vector import WIDTH, load, spread, store
 
 
 @part
-def start(lanes, bar_coordinate, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, d):
+def start(lanes, bar_coordinate, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, turn, d):
     """Tangents and deflections of orders 0 and 1, at the state in q."""
     for b in range(bar_coordinate.size):
         theta, rate = at(bar_coordinate[b], 0), at(bar_coordinate[b], 1)
-        t0, t1, s0 = at(b, 0), at(b, 1), at(b, 0)
+        t0, t1 = at(b, 0), at(b, 1)
         for l in range(lanes):
-            t = np.tan(q[theta + l])
-            tan[t0 + l] = t
-            sec2[s0 + l] = 1.0 + t * t
-            tan[t1 + l] = (1.0 + t * t) * q[rate + l]
+            tan[t0 + l] = np.tan(q[theta + l])
+        for l in range(0, lanes, WIDTH):
+            t, v = load(tan, t0 + l), load(q, rate + l)
+            store(sec2, t0 + l, 1.0 + t * t)
+            store(turn, t0 + l, v)
+            store(tan, t1 + l, (1.0 + t * t) * v)
     for e in range(lever.size):
         for j in range(2):
-            _deflection(lanes, e, j, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
+            to = at(e, j)
+            for l in range(0, lanes, WIDTH):
+                store(d, to + l, _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, tan))
 
 
 @part
-def _deflection(lanes, e, j, term_start, term_coordinate, term_sign, lever, arm, q, tan, d):
-    """d[j] = sum of signed coordinates + arm * tan."""
-    first, end = term_start[e], term_start[e + 1]
-    to, a = at(e, j), row(e)
-    q1, sign1 = at(term_coordinate[first], j), term_sign[first]
-    if end - first == 2 and lever[e] >= 0:  # a front member: in one go
-        q2, sign2 = at(term_coordinate[first + 1], j), term_sign[first + 1]
-        t = at(lever[e], j)
-        for l in range(lanes):
-            d[to + l] = sign1 * q[q1 + l] + sign2 * q[q2 + l] + arm[a + l] * tan[t + l]
-        return
-    for l in range(lanes):
-        d[to + l] = sign1 * q[q1 + l]
-    for n in range(first + 1, end):
-        qn, sign = at(term_coordinate[n], j), term_sign[n]
-        for l in range(lanes):
-            d[to + l] += sign * q[qn + l]
+def _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, tan):
+    """d[j] of element e: the sum of its signed coordinates, and arm * tan."""
+    total = spread(0.0)
+    for n in range(term_start[e], term_start[e + 1]):
+        total += term_sign[n] * load(q, at(term_coordinate[n], j) + l)
     if lever[e] >= 0:
-        t = at(lever[e], j)
-        for l in range(lanes):
-            d[to + l] += arm[a + l] * tan[t + l]
+        total += load(arm, row(e) + l) * load(tan, at(lever[e], j) + l)
+    return total
 
 
-@part
-def tangents(lanes, j, bar_coordinate, q, tan, sec2):
+@inlined
+def tangents(lanes, j, bar_coordinate, q, tan, sec2, turn):
     """sec2[j], then tan[j + 1], by T' = (1 + T^2) theta'."""
-    share = 1.0 / (j + 1)
     for b in range(bar_coordinate.size):
-        i = bar_coordinate[b]
-        s, t = at(b, j), at(b, j + 1)
-        s0, t0, tj, q1 = at(b, 0), at(b, 0), at(b, j), at(i, j + 1)
-        for l in range(lanes):
-            sec2[s + l] = 2.0 * tan[t0 + l] * tan[tj + l]
-        for n in range(1, (j + 1) // 2):  # the square's sum is symmetric
-            ta, tb = at(b, n), at(b, j - n)
-            for l in range(lanes):
-                sec2[s + l] += 2.0 * tan[ta + l] * tan[tb + l]
-        if j % 2 == 0:
-            ta = at(b, j // 2)
-            for l in range(lanes):
-                sec2[s + l] += tan[ta + l] * tan[ta + l]
-        for l in range(lanes):
-            tan[t + l] = sec2[s0 + l] * q[q1 + l]
-        for n in range(1, j, 2):  # two terms in one go
-            sa, qa, x = at(b, n), at(i, j - n + 1), (j - n + 1) * share
-            sb, qb, y = at(b, n + 1), at(i, j - n), (j - n) * share
-            for l in range(lanes):
-                tan[t + l] += x * sec2[sa + l] * q[qa + l] + y * sec2[sb + l] * q[qb + l]
-        if j % 2 == 1:
-            sn, qn = at(b, j), at(i, 1)
-            for l in range(lanes):
-                tan[t + l] += share * sec2[sn + l] * q[qn + l]
+        rate, first, last = at(bar_coordinate[b], j + 1), at(b, 0), at(b, j)
+        middle = at(b, j // 2)
+        for l in range(0, lanes, WIDTH):
+            store(turn, last + l, (j + 1.0) * load(q, rate + l))
+            square = spread(0.0)
+            up, down = first + l, last + l
+            while up < down:  # the square's sum is symmetric
+                square += load(tan, up) * load(tan, down)
+                up += STRIDE
+                down -= STRIDE
+            square *= 2.0
+            if j % 2 == 0:
+                square += load(tan, middle + l) * load(tan, middle + l)
+            store(sec2, last + l, square)
+            total = square * load(turn, first + l)
+            up, down = first + l, last + l
+            for _ in range(j):
+                total += load(sec2, up) * load(turn, down)
+                up += STRIDE
+                down -= STRIDE
+            store(tan, last + STRIDE + l, total * (1.0 / (j + 1)))
 
 
-@part
-def forces(lanes, j, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
+@inlined
+def forces(lanes, j, law, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
     """d[j + 1] of every element, then f[j] by its law's line in its present mode."""
     order = float(j + 1)
     for e in range(lever.size):
         k, c, to, dj, dk = line_at(e, K), line_at(e, C), at(e, j), at(e, j), at(e, j + 1)
         if j == 0:
             d0, v0, f0 = line_at(e, D0), line_at(e, V0), line_at(e, F0)
-            for l in range(lanes):
-                spring = line[k + l] * (d[dj + l] - line[d0 + l])
-                f[to + l] = line[f0 + l] + spring + line[c + l] * (d[dk + l] - line[v0 + l])
+            for l in range(0, lanes, WIDTH):
+                spring = load(line, k + l) * (load(d, dj + l) - load(line, d0 + l))
+                damper = load(line, c + l) * (load(d, dk + l) - load(line, v0 + l))
+                store(f, to + l, load(line, f0 + l) + spring + damper)
             continue
-        first = term_start[e]
-        if term_start[e + 1] - first == 1 and lever[e] < 0:  # a restraint: in one go
-            q1, sign1 = at(term_coordinate[first], j + 1), term_sign[first]
-            for l in range(lanes):
-                new = sign1 * q[q1 + l]
-                d[dk + l] = new
-                f[to + l] = line[k + l] * d[dj + l] + order * line[c + l] * new
+        first, terms = term_start[e], term_start[e + 1] - term_start[e]
+        q1, sign1 = at(term_coordinate[first], j + 1), term_sign[first]
+        if terms == 1 and lever[e] < 0:  # a restraint
+            for l in range(0, lanes, WIDTH):
+                new = sign1 * load(q, q1 + l)
+                store(d, dk + l, new)
+                store(f, to + l, load(line, k + l) * load(d, dj + l) + order * load(line, c + l) * new)
+        elif terms == 2 and lever[e] >= 0:  # a front member
+            q2, sign2 = at(term_coordinate[first + 1], j + 1), term_sign[first + 1]
+            a, t = row(e), at(lever[e], j + 1)
+            damped = law[e] != ELASTIC and law[e] != PLASTIC
+            for l in range(0, lanes, WIDTH):
+                new = sign1 * load(q, q1 + l) + sign2 * load(q, q2 + l) + load(arm, a + l) * load(tan, t + l)
+                store(d, dk + l, new)
+                force = load(line, k + l) * load(d, dj + l)
+                store(f, to + l, force + order * load(line, c + l) * new if damped else force)
         else:
-            _deflection(lanes, e, j + 1, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
-            for l in range(lanes):
-                f[to + l] = line[k + l] * d[dj + l] + order * line[c + l] * d[dk + l]
+            for l in range(0, lanes, WIDTH):
+                new = _deflection(e, j + 1, l, term_start, term_coordinate, term_sign, lever, arm, q, tan)
+                store(d, dk + l, new)
+                store(f, to + l, load(line, k + l) * load(d, dj + l) + order * load(line, c + l) * new)
 
 
-@part
+@inlined
 def accelerations(
     lanes, j, conjugate, parent, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of, sec2, moment, f, acc, q
 ):
@@ -122,60 +122,62 @@ def accelerations(
     """
     share = 1.0 / ((j + 1) * (j + 2))
     for i in range(parent.size):
-        to, m, qj = at(i, j), row(i), at(i, j + 2)
-        first = pull_start[i]
-        pulls = pull_start[i + 1] - first
+        to, m, next_q = at(i, j), row(i), at(i, j + 2)
+        above = at(parent[i] if parent[i] >= 0 else parent.size, j)  # parents come before their children
+        first, end = pull_start[i], pull_start[i + 1]
         if bar_of[i] >= 0:
             _turn(lanes, i, j, conjugate, bar_of[i], pull_start, pull_element, arm, inverse_inertia, sec2, moment, f, acc)
-        elif pulls == 1:  # an occupant
+            for l in range(0, lanes, WIDTH):
+                store(q, next_q + l, share * load(acc, to + l))
+        elif end - first == 1:  # an occupant
             f1, sign1 = at(pull_element[first], j), pull_sign[first]
-            for l in range(lanes):
-                acc[to + l] = sign1 * f[f1 + l] * inverse_inertia[m + l]
-        elif pulls == 2:  # a vehicle, or a seat
+            for l in range(0, lanes, WIDTH):
+                new = sign1 * load(f, f1 + l) * load(inverse_inertia, m + l)
+                store(acc, to + l, new)
+                store(q, next_q + l, share * (new - load(acc, above + l)))
+        elif end - first == 2:  # a vehicle, or a seat
             f1, sign1 = at(pull_element[first], j), pull_sign[first]
             f2, sign2 = at(pull_element[first + 1], j), pull_sign[first + 1]
-            for l in range(lanes):
-                acc[to + l] = (sign1 * f[f1 + l] + sign2 * f[f2 + l]) * inverse_inertia[m + l]
+            for l in range(0, lanes, WIDTH):
+                new = (sign1 * load(f, f1 + l) + sign2 * load(f, f2 + l)) * load(inverse_inertia, m + l)
+                store(acc, to + l, new)
+                store(q, next_q + l, share * (new - load(acc, above + l)))
         else:
-            _pull(lanes, i, j, pull_start, pull_element, pull_sign, inverse_inertia, f, acc)
-        if parent[i] < 0:
-            for l in range(lanes):
-                q[qj + l] = share * acc[to + l]
-        else:  # parents come before their children
-            above = at(parent[i], j)
-            for l in range(lanes):
-                q[qj + l] = share * (acc[to + l] - acc[above + l])
+            for n in range(first, end, 2):  # two elements at a time
+                f1, sign1 = at(pull_element[n], j), pull_sign[n]
+                n2 = min(n + 1, end - 1)
+                f2, sign2 = at(pull_element[n2], j), pull_sign[n2] if n2 > n else 0.0
+                for l in range(0, lanes, WIDTH):
+                    total = sign1 * load(f, f1 + l) + sign2 * load(f, f2 + l)
+                    store(acc, to + l, total if n == first else total + load(acc, to + l))
+            for l in range(0, lanes, WIDTH):
+                new = load(acc, to + l) * load(inverse_inertia, m + l) if end > first else spread(0.0)
+                store(acc, to + l, new)
+                store(q, next_q + l, share * (new - load(acc, above + l)))
 
 
-@part
-def _pull(lanes, i, j, pull_start, pull_element, pull_sign, inverse_inertia, f, acc):
-    """acc[j] of a body that any number of elements act on."""
-    to, m = at(i, j), row(i)
-    for l in range(lanes):
-        acc[to + l] = 0.0
-    for n in range(pull_start[i], pull_start[i + 1]):
-        fn, sign = at(pull_element[n], j), pull_sign[n]
-        for l in range(lanes):
-            acc[to + l] += sign * inverse_inertia[m + l] * f[fn + l]
-
-
-@part
+@inlined
 def _turn(lanes, i, j, conjugate, b, pull_start, pull_element, arm, inverse_inertia, sec2, moment, f, acc):
     """acc[j] of a bar's rotation: the moment, the sum of -arm f (eq 4), times sec^2(theta) if conjugate, over the inertia."""
-    to, at_moment, m = at(i, j), at(b, j), row(i)
-    for l in range(lanes):
-        moment[at_moment + l] = 0.0
-    for n in range(pull_start[i], pull_start[i + 1]):
-        fn, a = at(pull_element[n], j), row(pull_element[n])
-        for l in range(lanes):
-            moment[at_moment + l] -= arm[a + l] * f[fn + l]
-    if not conjugate:
-        for l in range(lanes):
-            acc[to + l] = moment[at_moment + l] * inverse_inertia[m + l]
-        return
-    for l in range(lanes):
-        acc[to + l] = 0.0
-    for n in range(j + 1):
-        s, mn = at(b, n), at(b, j - n)
-        for l in range(lanes):
-            acc[to + l] += sec2[s + l] * moment[mn + l] * inverse_inertia[m + l]
+    to, of_bar, m = at(i, j), at(b, 0), row(i)
+    moment_row = at(b, j)
+    begin, until = pull_start[i], pull_start[i + 1]
+    for l in range(0, lanes if until == begin else 0, WIDTH):
+        store(moment, moment_row + l, 0.0)
+    for n in range(begin, until, 2):
+        n2 = min(n + 1, until - 1)
+        f1, arm1 = at(pull_element[n], j), row(pull_element[n])
+        f2, arm2, weight = at(pull_element[n2], j), row(pull_element[n2]), -1.0 if n2 > n else 0.0
+        for l in range(0, lanes, WIDTH):
+            total = weight * load(arm, arm2 + l) * load(f, f2 + l) - load(arm, arm1 + l) * load(f, f1 + l)
+            store(moment, moment_row + l, total if n == begin else total + load(moment, moment_row + l))
+    for l in range(0, lanes, WIDTH):
+        total = load(moment, moment_row + l)
+        if conjugate:
+            total = spread(0.0)
+            up, down = of_bar + l, moment_row + l
+            for _ in range(j + 1):
+                total += load(sec2, up) * load(moment, down)
+                up += STRIDE
+                down -= STRIDE
+        store(acc, to + l, total * load(inverse_inertia, m + l))

@@ -13,14 +13,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ridedown.network import Network
 from ridedown.network.model import Floats, Ints
+from ridedown.solver import events, together
 from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, MEMORY_ROWS, ORDERS, STRIDE
 from ridedown.solver.polynomial import WORK_SHAPE
-
-Bools = NDArray[np.bool_]
+from ridedown.solver.vector import WIDTH
 
 
 class Structure(NamedTuple):
@@ -62,21 +61,23 @@ class Lanes(NamedTuple):
 
     # which crash, and where it is: one row each
     crash: Ints  # its number, -1 = none
+    until: Floats  # its duration; 0 where there is none
     time: Floats
     step: Floats
-    last: Bools  # whether this step ends the crash
-    steps: Ints
-    idle: Ints  # steps of no length since the crash last advanced
+    last: Floats  # whether this step ends the crash, 1 or 0
+    steps: Floats
+    idle: Floats  # steps of no length since the crash last advanced
     trial: Floats  # the length of step that its modes are read on
     scale: Floats  # the acceleration that the step control measures against
-    power: Floats  # rows by order: powers of the step; then the event's fraction of it
+    power: Floats  # rows by order: powers of the step; then what `events` says
     # series, rows by index and order
     q: Floats  # coordinates
-    acc: Floats
+    acc: Floats  # and of the ground, zero, last
     d: Floats  # elements
     f: Floats
     tan: Floats  # bars
     sec2: Floats
+    turn: Floats
     moment: Floats
     # the crash's own numbers, rows by index
     inverse_inertia: Floats
@@ -89,13 +90,12 @@ class Lanes(NamedTuple):
     work: Floats  # done on each element so far
     # events and extremes
     event: Ints  # guard that ends this step, -1 = none
-    suspect: Ints  # whether what is at hand needs a closer look
     pending: Ints  # guards found negative at the start of the step, pending_count of them
     pending_count: Ints
     extreme: Floats
     # room to work in
-    falling: Floats
-    owner: Ints
+    falling: Floats  # polynomials to be solved together, a column each
+    owner: Ints  # and two numbers for each: whose it is
     series: Floats
     poly: Floats
     room: Floats
@@ -138,27 +138,32 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
     n, m, bars = len(network.coordinates), len(network.elements), int(network.is_rotation.sum())
 
     def floats(rows: int) -> Floats:
-        return np.zeros(rows * STRIDE)
+        """Zeros, from the start of a cache line on."""
+        room = np.zeros(rows * STRIDE + WIDTH)
+        first = -room.ctypes.data // room.itemsize % WIDTH
+        return room[first : first + rows * STRIDE]
 
     def whole(rows: int) -> Ints:
         return np.zeros(rows * STRIDE, dtype=np.int64)
 
     return Lanes(
         crash=whole(1),
+        until=floats(1),
         time=floats(1),
         step=floats(1),
-        last=np.zeros(STRIDE, dtype=np.bool_),
-        steps=whole(1),
-        idle=whole(1),
+        last=floats(1),
+        steps=floats(1),
+        idle=floats(1),
         trial=floats(1),
         scale=floats(1),
-        power=floats(ORDERS + 1),
+        power=floats(events.POWER_ROWS),
         q=floats(n * ORDERS),
-        acc=floats(n * ORDERS),
+        acc=floats((n + 1) * ORDERS),
         d=floats(m * ORDERS),
         f=floats(m * ORDERS),
         tan=floats(bars * ORDERS),
         sec2=floats(bars * ORDERS),
+        turn=floats(bars * ORDERS),
         moment=floats(bars * ORDERS),
         inverse_inertia=floats(n),
         arm=floats(m),
@@ -168,11 +173,10 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         memory=floats(m * MEMORY_ROWS),
         work=floats(m),
         event=whole(1),
-        suspect=whole(1),
         pending=whole(2 * m),
         pending_count=whole(1),
         extreme=floats(tracked * EXTREME_ROWS),
-        falling=floats(ORDERS + 2),
+        falling=floats(together.ROWS),
         owner=whole(2),
         series=floats(ORDERS),
         poly=np.zeros(ORDERS),
