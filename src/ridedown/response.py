@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ridedown import recording
 from ridedown.balance import EnergyBalance, MomentumBalance, energy_balance, momentum_balance
 from ridedown.errors import InvalidInput
 from ridedown.events import Event, events_of
@@ -19,6 +20,8 @@ from ridedown.forcing import forcing_channels
 from ridedown.network import Channel, Law, Network, channels
 from ridedown.network.channels import find
 from ridedown.scenario import CrashScenario, NetworkScenario, Source
+from ridedown.signals.history import TimeHistory
+from ridedown.signals.record import TestRecord
 from ridedown.solver.phases import Phases
 from ridedown.status import Status
 
@@ -159,6 +162,18 @@ class Response:
         starts = self.phases.start[1:]
         before = np.nextafter(starts, 0.0)
         return np.unique(np.concatenate((self.times(step), before, starts)))
+
+    def history(self, channel: str, tolerance: float = 1e-6) -> TimeHistory:
+        """A channel as a time history: straight between its stamps to within `tolerance` times its peak.
+
+        Its largest and smallest value are among the values, exact; a jump is two equal stamps. Criteria take it as they take a
+        measured signal: `criteria.clip(*response.history("adult.acceleration").si)`.
+
+        Raises: UnknownName, with the nearest channels; InvalidInput for a tolerance that is not > 0.
+        """
+        time, values = recording.knots(self.phases, self._series(channel), tolerance)
+        code = recording.code_of(channel, recording.places_of(self.scenario))
+        return TimeHistory(values, self.unit(channel), stamps=time, name=channel, code=code)
 
     # peaks
 
@@ -339,6 +354,14 @@ class Response:
         with Path(path).open("w", encoding="utf-8", newline="\n") as file:
             file.write(header + "\n")
             np.savetxt(file, rows, fmt="%.12g", delimiter=",")
+
+    def to_record(self, step: float = 1e-4) -> TestRecord:
+        """The channels as a test record, sampled evenly, `step` [s] apart at most, with ISO-MME channel codes.
+
+        Write it with `ridedown.signals.write`, and a laboratory's own tools open it.
+        """
+        units = {name: self.unit(name) for name in self.channels}
+        return recording.record_of(self.scenario, units, self.times(step), self.at)
 
     def to_parquet(self, path: str | Path, times: ArrayLike | None = None) -> None:
         """Write the channels to a Parquet file (zstd), units in the columns' metadata."""

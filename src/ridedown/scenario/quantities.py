@@ -20,6 +20,21 @@ from numpy.typing import NDArray
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from ridedown.units import (
+    ACCELERATION,
+    DAMPING,
+    FORCE,
+    FRACTION,
+    INERTIA,
+    LENGTH,
+    MASS,
+    SPEED,
+    STIFFNESS,
+    TIME,
+    Dimension,
+    tidied,
+)
+
 Number = float | NDArray[np.float64]
 """One value, or a column with one value per crash."""
 
@@ -35,66 +50,8 @@ class Refused(ValueError):
         super().__init__(f"got {got}; need {need}." + (f" {fix}" if fix else ""))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Dimension:
-    """A kind of quantity: how it is called, its SI unit, an example, and its units with their size in SI."""
-
-    called: str
-    unit: str
-    example: str
-    units: Mapping[str, Fraction]
-
-
-def _dimension(called: str, unit: str, example: str, units: dict[str, str]) -> Dimension:
-    return Dimension(called, unit, example, {u: Fraction(size) for u, size in units.items()})
-
-
-MASS = _dimension("a mass", "kg", "1500 kg", {"kg": "1", "t": "1000", "lb": "0.45359237"})
-LENGTH = _dimension("a length", "m", "5 mm", {"m": "1", "mm": "1/1000", "cm": "1/100", "in": "0.0254", "ft": "0.3048"})
-TIME = _dimension("a time", "s", "200 ms", {"s": "1", "ms": "1/1000", "us": "1/1000000"})
-SPEED = _dimension(
-    "a speed",
-    "m/s",
-    "48 km/h",
-    {"m/s": "1", "km/h": "10/36", "kph": "10/36", "mph": "0.44704", "ft/s": "0.3048", "mm/ms": "1"},
-)
-FORCE = _dimension("a force", "N", "40 kN", {"N": "1", "kN": "1000", "MN": "1000000", "lbf": "4.4482216152605"})
-STIFFNESS = _dimension(
-    "a stiffness",
-    "N/m",
-    "98.1 kN/m",
-    {
-        "N/m": "1",
-        "kN/m": "1000",
-        "MN/m": "1000000",
-        "N/mm": "1000",
-        "kN/mm": "1000000",
-        "lbf/in": str(Fraction("4.4482216152605") / Fraction("0.0254")),
-    },
-)
-DAMPING = _dimension(
-    "a damping coefficient",
-    "N s/m",
-    "2801 N s/m",
-    {
-        "N s/m": "1",
-        "Ns/m": "1",
-        "N/(m/s)": "1",
-        "kN s/m": "1000",
-        "kNs/m": "1000",
-        "kN/(m/s)": "1000",
-        "N s/mm": "1000",
-        "Ns/mm": "1000",
-        "kg/s": "1",
-    },
-)
-INERTIA = _dimension(
-    "a moment of inertia", "kg m2", "157 kg m2", {"kg m2": "1", "kgm2": "1", "kg mm2": "1/1000000", "t m2": "1000"}
-)
-ACCELERATION = _dimension("an acceleration", "m/s2", "40 g", {"m/s2": "1", "m/s/s": "1", "g": "9.80665"})
-FRACTION = _dimension("a fraction", "", "50 %", {"": "1", "%": "1/100"})
-
 DIMENSIONS = (MASS, LENGTH, TIME, SPEED, FORCE, STIFFNESS, DAMPING, INERTIA, ACCELERATION, FRACTION)
+"""The dimensions that a scenario's fields have; `ridedown.units` has more, for measurements."""
 
 _DIMENSION_OF = {unit: dimension for dimension in DIMENSIONS for unit in dimension.units}
 
@@ -103,7 +60,6 @@ _NUMBER = re.compile(
     r"\s*([+-]?(?=[0-9.]{1,60}(?![0-9.]))(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)(?![0-9.])\s*(.*?)\s*",
     re.DOTALL,
 )
-_SPELLINGS = str.maketrans({"·": " ", "⋅": " ", "*": " ", "²": "2", "^": "", "µ": "u", "μ": "u"})
 
 
 def read(value: object, dimension: Dimension) -> float:
@@ -135,7 +91,7 @@ def _read_text(text: str, dimension: Dimension) -> float:
     if match is None:
         raise Refused(shown, wanted(dimension))
     digits, unit = match.groups()
-    unit = re.sub(r"\s*/\s*", "/", " ".join(unit.translate(_SPELLINGS).split()))
+    unit = tidied(unit)
     if unit not in dimension.units:
         raise _wrong_unit(shown, digits, unit, dimension)
     # Exact until the last step: "356 mm" is the same double as 0.356.

@@ -1,0 +1,169 @@
+"""What a body part may bear: head injury criterion, severity index, and the level held for 3 ms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ridedown.criteria import levels, windows
+from ridedown.criteria.checks import STANDARD_GRAVITY, Floats, magnitude, number, signal
+from ridedown.errors import InvalidInput
+
+# Two times a window apart differ from it by what their own rounding makes; an interval in samples is meant exactly.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class HIC:
+    """Head injury criterion, `value` [s g^2.5, written without a unit], and its window from `start` to `end` [s]."""
+
+    value: float
+    start: float
+    end: float
+
+    @property
+    def duration(self) -> float:
+        """Of the window [s]; it may be shorter than the longest allowed."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True, slots=True)
+class Clip:
+    """The level held, `value` [m/s2].
+
+    start, end: of the interval that it is held on [s]; where cumulative, the first and the last moment at that level.
+    """
+
+    value: float
+    start: float
+    end: float
+
+    @property
+    def value_g(self) -> float:
+        """The level [g]."""
+        return self.value / STANDARD_GRAVITY
+
+
+def hic(
+    time: ArrayLike, acceleration: ArrayLike, *, max_window: float = 0.015, signed: bool = False, sampled: bool = False
+) -> HIC:
+    """Head injury criterion: the largest (t2 - t1) [mean of a from t1 to t2]^2.5 with t2 - t1 <= max_window, a in g, t in s.
+
+    Exact over the signal that is straight between its samples: both ends of the window are free, within a sample too, and the
+    window may be shorter than the longest. Windows lie within the record. Where several are equally bad, one of them is given.
+
+    time: (n,) [s], never falling; two equal times are a jump. acceleration: (n,) [m/s2], the resultant of the head's centre of
+    gravity, CFC 1000. max_window [s]: 0.015 for HIC15, 0.036 for HIC36.
+    signed: take a signal of one axis with its sign, so that a window whose mean is negative counts nothing. If left out, its
+    magnitude counts, which is the resultant of one axis: a head that is braked is not better off for the sign.
+    sampled: windows from sample to sample only, as laboratories compute it; never above the exact value of a resultant.
+
+    Raises: InvalidInput for a signal that is not one (see `checks.signal`), or a window that is not above 0 s.
+
+    References: 49 CFR 571.208 (FMVSS 208), S6.2 (HIC15 and HIC36); J. Versace, "A review of the severity index", SAE 710881,
+    1971.
+
+    >>> import numpy as np
+    >>> time = np.linspace(0.0, 0.010, 101)
+    >>> pulse = 100 * 9.80665 * np.sin(np.pi * time / 0.010)  # a half-sine of 100 g and 10 ms
+    >>> found = hic(time, pulse)
+    >>> f"{found.value:.1f} from {1e3 * found.start:.2f} to {1e3 * found.end:.2f} ms"  # 414.6 for the smooth half-sine
+    '414.6 from 1.65 to 8.35 ms'
+    """
+    times, a = signal(time, acceleration)
+    window = number(max_window, "max_window", "s", above=0.0)
+    if sampled:
+        window *= 1.0 + _ROUNDING
+        a = a if signed else np.abs(a)
+    elif not signed:
+        times, a = magnitude(times, a)
+    scale = float(np.max(np.abs(a)))  # fifth powers of the search stay near 1 whatever the unit's size
+    if scale == 0.0:
+        return HIC(0.0, float(times[0]), float(times[0]))
+    square, start, end = windows.search(times, a / scale, window, sampled=sampled)
+    with np.errstate(over="ignore"):
+        value = float(np.sqrt(square) * np.float64(scale / STANDARD_GRAVITY) ** 2.5)
+    if not np.isfinite(value):
+        raise InvalidInput(f"acceleration: got a peak of {scale:g} m/s2; need one that a head can have. Check its unit.")
+    return HIC(value, start, end)
+
+
+def severity_index(time: ArrayLike, acceleration: ArrayLike) -> float:
+    """Gadd's severity index: the integral of |a|^2.5 over the record, a in g, t in s [s g^2.5, written without a unit].
+
+    Exact over the signal that is straight between its samples. HIC with no limit to its window is never above it.
+
+    time: (n,) [s]; acceleration: (n,) [m/s2], a resultant, or one axis, whose magnitude counts.
+
+    Raises: InvalidInput for a signal that is not one (see `checks.signal`).
+
+    References: C. W. Gadd, "Use of a weighted-impulse criterion for estimating injury hazard", SAE 660793, 1966.
+
+    >>> round(severity_index([0.0, 0.010], [50 * 9.80665, 50 * 9.80665]), 3)  # 50^2.5 times 10 ms
+    176.777
+    """
+    times, a = magnitude(*signal(time, acceleration))
+    return float(np.sum(np.diff(times) * _mean_power(a[:-1] / STANDARD_GRAVITY, a[1:] / STANDARD_GRAVITY)))
+
+
+def _mean_power(one: Floats, other: Floats) -> Floats:
+    """Mean of x^2.5 over the line from `one` to `other`, both >= 0."""
+    middle, half = 0.5 * (one + other), 0.5 * np.abs(one - other)
+    share = np.divide(half, middle, out=np.zeros_like(half), where=middle > 0.0)
+    # (b^3.5 - a^3.5)/(3.5 (b - a)) cancels where a and b are close: there the series in (half/middle)^2, to 1e-15 below 0.05
+    e = share * share
+    series = middle**2.5 * (1.0 + e * (0.625 + e * (-0.0078125 - e * (1.5 * 2.5 * 0.5 * 0.5 * 1.5 * 2.5 / 5040.0))))
+    width = np.where(half > 0.0, 7.0 * half, 1.0)
+    exact = ((middle + half) ** 3.5 - np.maximum(middle - half, 0.0) ** 3.5) / width
+    mean: Floats = np.where(share < 0.05, series, exact)
+    return mean
+
+
+def clip(time: ArrayLike, acceleration: ArrayLike, *, duration: float = 0.003, cumulative: bool = False) -> Clip:
+    """The highest level that the magnitude of a signal holds for a time: the 3 ms clip.
+
+    Exact over the signal that is straight between its samples. Continuous: held on one interval of that duration, within the
+    record. Cumulative: the intervals at or above the level add up to it. Cumulative is never below continuous.
+
+    time: (n,) [s]; acceleration: (n,) [m/s2], the resultant of the chest (CFC 180) or of the head (CFC 1000), or one axis,
+    whose magnitude counts. duration [s].
+
+    Raises: InvalidInput for a signal that is not one (see `checks.signal`), or one shorter than the duration.
+
+    References: 49 CFR 571.208 (FMVSS 208), S6.3: 60 g but for intervals whose *cumulative* duration is not more than 3 ms.
+    UN R94 and Euro NCAP TB 021 take it cumulative as well, SAE J1727 has both (the three from memory).
+
+    >>> time, pulse = [0.0, 0.030, 0.060], [0.0, 50 * 9.80665, 0.0]  # a triangle of 50 g and 60 ms
+    >>> found = clip(time, pulse)
+    >>> f"{found.value_g:.2f} g from {1e3 * found.start:.2f} to {1e3 * found.end:.2f} ms"
+    '47.50 g from 28.50 to 31.50 ms'
+    """
+    times, a = magnitude(*signal(time, acceleration))
+    length = number(duration, "duration", "s", above=0.0)
+    lasts = float(times[-1] - times[0])
+    if length > lasts * (1.0 + _ROUNDING):
+        raise InvalidInput(
+            f"time: got a signal of {lasts:g} s; need >= {length:g} s, the duration. A level cannot be held longer."
+        )
+    length = min(length, lasts)
+    work = np.empty(times.size, dtype=np.int64)
+    if cumulative:
+        value = float(levels.highest_reached(times, a, length, work))
+        return Clip(value, *_first_and_last(times, a, value))
+    value, start = levels.highest_held(times, a, length, work)
+    return Clip(float(value), float(start), float(start) + length)
+
+
+def _first_and_last(times: Floats, a: Floats, level: float) -> tuple[float, float]:
+    """The first and the last moment at which the signal is at or above a level that it reaches."""
+    above = np.flatnonzero(a >= level)
+    return _crossing(times, a, above[0], above[0] - 1, level), _crossing(times, a, above[-1], above[-1] + 1, level)
+
+
+def _crossing(times: Floats, a: Floats, i: int, beside: int, level: float) -> float:
+    """When the line from sample i, at or above the level, to the one beside it, if there is one, passes the level."""
+    if not 0 <= beside < times.size:
+        return float(times[i])
+    return float(times[i] + (a[i] - level) / (a[i] - a[beside]) * (times[beside] - times[i]))

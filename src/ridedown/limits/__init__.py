@@ -1,0 +1,29 @@
+"""Regulations and their limits, and what a measured or a simulated crash comes to before them."""
+
+from ridedown.limits.assess import Assessment, Judgement, Verdict, assess
+from ridedown.limits.evidence import Evidence, Person, Pulse, Signals, evidence
+from ridedown.limits.findings import CRITERIA, Finding
+from ridedown.limits.regulations import Limit, Regulation, regulation, regulations
+from ridedown.limits.summary import CrashCriteria, OccupantCriteria, VehicleCriteria, criteria_of
+
+__all__ = [
+    "CRITERIA",
+    "Assessment",
+    "CrashCriteria",
+    "Evidence",
+    "Finding",
+    "Judgement",
+    "Limit",
+    "OccupantCriteria",
+    "Person",
+    "Pulse",
+    "Regulation",
+    "Signals",
+    "VehicleCriteria",
+    "Verdict",
+    "assess",
+    "criteria_of",
+    "evidence",
+    "regulation",
+    "regulations",
+]

@@ -1,0 +1,67 @@
+"""Evidence of a simulated crash: its vehicles and occupants are lumped masses, and say no more than a mass can."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ridedown.limits.evidence import CannotJudge, Person, Pulse, Signals
+from ridedown.response import Response
+
+_NO_PART = {
+    "head": "a lumped occupant has no head",
+    "chest deflection": "a lumped occupant has no ribs to deflect",
+    "chest deflection, class 180": "a lumped occupant has no ribs to deflect",
+    "neck axial force": "a lumped occupant has no neck",
+    "neck shear force": "a lumped occupant has no neck",
+    "neck moment": "a lumped occupant has no neck",
+    "left femur": "a lumped occupant has no legs",
+    "right femur": "a lumped occupant has no legs",
+}
+
+
+class ResponseEvidence:
+    """The channels of a response by their meaning: the chest of an occupant is its whole mass, along x only."""
+
+    simulated = True
+
+    def __init__(self, response: Response) -> None:
+        self.response = response
+        self.title = response.scenario.name or "a scenario"
+        self.people = tuple(
+            Person(name, result.vehicle, child=result.kind == "child", lumped=True)
+            for name, result in response.occupants.items()
+        )
+        self.vehicles = tuple(response.vehicles)
+
+    def signals(self, person: Person, measure: str) -> Signals:
+        """The occupant's acceleration for the chest; nothing else is there. Raises: CannotJudge."""
+        if measure != "chest":
+            raise CannotJudge(_NO_PART[measure])
+        channel = f"{person.name}.acceleration"
+        time, values = self.response.history(channel).si
+        return Signals(time, values[np.newaxis, :], (channel,), ("the acceleration of the whole lumped mass, along x",))
+
+    def pulse(self, vehicle: str) -> Pulse:
+        """The vehicle's own acceleration, unfiltered: what is simulated has no noise to filter.
+
+        Before contact there is none, so that one which begins with a jump begins at zero.
+        """
+        channel = f"{vehicle}.acceleration"
+        time, values = self.response.history(channel).si
+        if values[0] != 0.0:
+            time, values = np.concatenate((time[:1], time)), np.concatenate(([0.0], values))
+        return Pulse(time, values, values, (channel,))
+
+    def across(self, vehicle: str, what: str) -> Signals:
+        """Zero: the simulated crash is head-on, and nothing in it moves to the side, up or about the vertical."""
+        time = self.pulse(vehicle).time
+        return Signals(time, np.zeros((1, time.size)), (), (f"{what}: none, the simulated crash is along x",))
+
+    def speed(self, vehicle: str) -> float:
+        """The vehicle's speed at contact [m/s]."""
+        return self.response.vehicles[vehicle].speed
+
+    def crush(self, vehicle: str) -> tuple[float, float]:
+        """The largest deflection of the vehicle's front [m] and its time [s], exact."""
+        crush = self.response.vehicles[vehicle].dynamic_crush
+        return crush.value, crush.time

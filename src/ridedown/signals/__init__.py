@@ -1,0 +1,36 @@
+"""Signals over time, and the crash tests they come from: reading, writing, filtering, processing."""
+
+from ridedown.signals.filters import filtered
+from ridedown.signals.history import Filter, TimeHistory
+from ridedown.signals.processing import (
+    aligned,
+    differentiated,
+    integrated,
+    mean,
+    resampled,
+    resultant,
+    reversed_sign,
+    trimmed,
+    zeroed,
+)
+from ridedown.signals.read import read, write
+from ridedown.signals.record import ChannelInfo, TestRecord
+
+__all__ = [
+    "ChannelInfo",
+    "Filter",
+    "TestRecord",
+    "TimeHistory",
+    "aligned",
+    "differentiated",
+    "filtered",
+    "integrated",
+    "mean",
+    "read",
+    "resampled",
+    "resultant",
+    "reversed_sign",
+    "trimmed",
+    "write",
+    "zeroed",
+]
