@@ -18,6 +18,8 @@ from ridedown.solver.vector import ALL_LANES, WIDTH, first_lane, lanes_of, load,
 GAP_ROUND_OFF = 1e-14  # m
 RATE_ROUND_OFF = 1e-13  # m/s
 NO_EVENT = -1
+_SAME = 1e-13  # of the step: at one instant, within round-off
+_IDLE_ALL = 6  # steps of no length in which every negative guard may change its mode at once; then one at a time
 _ORDER = np.arange(DEGREE + 3.0)
 NO, YES = 0.0, 1.0
 """Whether a step ends its crash, as a number of the lane."""
@@ -28,13 +30,13 @@ POWER_ROWS = DEGREE + 5
 
 
 @part
-def find(lanes, law, guard, d, crash, last, step, power, event, pending, pending_count, falling, owner, poly, room):
-    """Sort each lane's guards: negative at the start (into `pending`), or first to turn negative in the step (into `event`).
+def find(
+    lanes, law, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner, poly, room
+):  # fmt: skip
+    """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
-    Both are empty, as the march leaves them.
-
-    The step of a lane with an event shrinks to it. `falling` and `owner` are room for one guard a lane and more, to be solved
-    together.
+    The step of a lane with an event shrinks to it, and `pending`, empty at first, names the guards whose modes change then.
+    `falling` and `owner` are room for one guard a lane and more, to be solved together.
     """
     count = 0
     for block in range(0, lanes, WIDTH):
@@ -68,13 +70,25 @@ def find(lanes, law, guard, d, crash, last, step, power, event, pending, pending
                     _note(g, l, root, power, event)
     _note_all(count, falling, owner, power, event)
     for l in range(lanes):
-        if event[l] != NO_EVENT:
+        if pending_count[l] > 0:  # rule 2: a step of no length
+            step[l], last[l], event[l] = 0.0, NO, NO_EVENT
+            idle[l] += 1.0
+            if idle[l] > _IDLE_ALL:
+                pending_count[l] = 1
+        elif event[l] != NO_EVENT:  # rule 5
             first = power[_FIRST + l]
             if first < 1.0 or last[l] == NO:
                 step[l] *= first
                 last[l] = NO
-            else:
-                event[l] = NO_EVENT
+                pending[l] = event[l]
+                pending_count[l] = 1
+            event[l] = NO_EVENT
+    for x in range(count):  # others at the same instant change with it, to spare a step of no length
+        l, g = owner[2 * x], owner[2 * x + 1]
+        same = abs(falling[row(together.ROOT) + x] - power[_FIRST + l]) <= _SAME
+        if same and step[l] > 0.0 and pending_count[l] > 0 and pending[l] // 2 != g // 2:
+            pending[row(pending_count[l]) + l] = g
+            pending_count[l] += 1
 
 
 _CLEAR, _FALLS, _SEARCH = range(3)

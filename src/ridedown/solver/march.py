@@ -8,7 +8,8 @@ The rules that leave no event out (docs/theory.md, "Events"):
     changes its mode at once, in a step of no length, and all is read again. Coincident events settle so.
  3. A guard that starts at zero is divided by t before its next root is sought.
  4. Roots are isolated by Bernstein coefficients, never by sampling.
- 5. The earliest root of all guards ends the step; only its mode changes; rule 2 does the rest.
+ 5. The earliest root of all guards ends the step; only its mode changes, and those of others at that instant; rule 2 does
+    the rest.
 """
 
 from __future__ import annotations
@@ -54,7 +55,6 @@ NO, YES = events.NO, events.YES
 
 STEP_LIMIT = 100_000
 _BAR_LIMIT = 1.4  # rad: tan has its pole at pi/2
-_IDLE_ALL = 6  # steps of no length in which every negative guard may change its mode at once; then one at a time
 _IDLE_LIMIT = 60  # steps of no length before a crash is given up as chattering
 _GAUSS = np.polynomial.legendre.leggauss(DEGREE + 1)  # exact to twice the degree
 _NODES, _WEIGHTS = 0.5 * (1.0 + _GAUSS[0]), 0.5 * _GAUSS[1]
@@ -137,21 +137,8 @@ def march(s, x, w, out, record, tolerance, with_work):
 
         _choose_steps(lanes, parent.size, bars.size, tolerance, until, time, scale, idle, w.trial, q, tan, step, last, power)
         events.find(
-            lanes, law, guard, d, crash, last, step, power, event, pending, pending_count, falling, owner, poly,
-            room,
+            lanes, law, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner, poly, room
         )  # fmt: skip
-        for l in range(lanes):
-            if pending_count[l] > 0:  # rule 2: a step of no length
-                step[l] = 0.0
-                last[l] = NO
-                idle[l] += 1.0
-                event[l] = events.NO_EVENT
-                if idle[l] > _IDLE_ALL:
-                    pending_count[l] = 1
-            elif event[l] != events.NO_EVENT:  # rule 5
-                pending[l] = event[l]
-                pending_count[l] = 1
-                event[l] = events.NO_EVENT
         _powers(lanes, step, power)
         extremes.track_all(
             lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, lane_series,
