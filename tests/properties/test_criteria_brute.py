@@ -110,7 +110,7 @@ def test_hic(signal: tuple[Floats, Floats], window: float, signed: bool) -> None
         signal = rectified(signal)
     slowly = brute_hic(signal, window)
     assert found.value == pytest.approx(slowly, rel=1e-7, abs=1e-12)
-    assert found.value >= slowly * (1.0 - 1e-11)
+    assert found.value >= slowly * (1.0 - 1e-11) - 1e-30  # where the signal is as good as nothing
     here = hic_of_windows(signal, np.array([found.start]), np.array([found.end]), window)[0]
     assert found.value == pytest.approx(here, rel=1e-9, abs=1e-15)  # the window given is the one of the value
     assert found.duration <= window * (1.0 + 1e-12)
@@ -188,9 +188,9 @@ def test_severity_index(signal: tuple[Floats, Floats]) -> None:
     assert criteria.severity_index(*signal) == pytest.approx(slowly, rel=1e-9, abs=1e-12)
 
 
-def motion(signal: tuple[Floats, Floats], speed: float) -> tuple[Floats, Floats, Floats]:
+def motion(signal: tuple[Floats, Floats], speed: float, parts: int = 4000) -> tuple[Floats, Floats, Floats]:
     """Times, velocity and displacement at many points; trapezia are exact for the velocity, Simpson's rule for the way."""
-    times, a = fine(signal, 4000)
+    times, a = fine(signal, parts)
     h = np.diff(times)
     v = speed + np.concatenate(([0.0], np.cumsum(h * (a[1:] + a[:-1]) / 2.0)))
     middle = v[:-1] + h * (3.0 * a[:-1] + a[1:]) / 8.0
@@ -220,7 +220,8 @@ def test_motion_of_the_vehicle(signal: tuple[Floats, Floats], speed: float) -> N
 @quick
 @given(signals(low=0.0, high=600.0, longest=0.05, least=0.005))
 def test_olc(signal: tuple[Floats, Floats]) -> None:
-    times, u, z = motion(signal, 0.0)
+    times, u, z = motion(signal, 0.0, 1000)
+    assume(abs(z[-1] - 0.065) > 1e-9)  # or rounding says whether it is reached
     found = criteria.olc(signal[0], -signal[1])
     assert found.displacement == pytest.approx(z.max(), rel=1e-9, abs=1e-12)
     if z[-1] < 0.065:
@@ -250,6 +251,7 @@ def brute_vpi(signal: tuple[Floats, Floats], w: float, slack: float) -> tuple[fl
 
         solved = solve_ivp(rates, (t0, t1), state, rtol=1e-9, atol=1e-12, max_step=2e-3, dense_output=True)
         moments = np.linspace(t0, t1, 2001)
+        assert solved.sol is not None
         size = w * w * np.maximum(solved.sol(moments)[0] - slack, 0.0)
         if size.max() > peak:
             peak, when = float(size.max()), float(moments[int(np.argmax(size))])
@@ -262,7 +264,7 @@ def brute_vpi(signal: tuple[Floats, Floats], w: float, slack: float) -> tuple[fl
 @given(signals(low=-300.0, high=600.0, longest=0.06, least=0.002), st.sampled_from([(50.0, 0.03), (120.0, 0.0), (30.0, 0.01)]))
 def test_vpi(signal: tuple[Floats, Floats], spring: tuple[float, float]) -> None:
     w, slack = spring
-    _, u, _ = motion(signal, 0.0)
+    _, u, _ = motion(signal, 0.0, 200)
     sign = 1.0 if u[int(np.argmax(np.abs(u)))] >= 0.0 else -1.0
     assume(abs(u.max() + u.min()) > 1e-3)  # or there is no saying which way the pulse goes
     found = criteria.vpi(*signal, stiffness=w * w, slack=slack)

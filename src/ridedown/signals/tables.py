@@ -236,7 +236,7 @@ def parsed(text: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """What a table will hold: times (n,) [s], their interval [s] if even, each channel by its name, what was left out and why."""
+    """What a table will hold: times (n,) [s], their interval [s] if even, each channel by its name, and what was left out."""
 
     times: Floats
     interval: float | None
