@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -88,3 +90,9 @@ def test_a_late_pulse_after_a_flat_start_gives_no_warning() -> None:
     late = np.where(TIME > 0.085, 400.0 * np.sin(np.pi * (TIME - 0.085) / 0.015), 0.0)
     found = rating((TIME, late), (TIME, 0.9 * late))
     assert 0.8 < found.value < 1.0
+
+
+def test_without_the_package_the_sentence_says_what_to_install(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "objective_rating_metrics.rating", None)
+    with pytest.raises(InvalidInput, match=r"ridedown\[rating\]"):
+        rating((TIME, PULSE), (TIME, PULSE))

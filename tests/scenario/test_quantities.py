@@ -10,10 +10,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ridedown.scenario.quantities import (
+from ridedown.scenario.quantities import DIMENSIONS, Quantity, Refused, read, write
+from ridedown.units import (
     ACCELERATION,
     DAMPING,
-    DIMENSIONS,
     FORCE,
     FRACTION,
     INERTIA,
@@ -23,10 +23,6 @@ from ridedown.scenario.quantities import (
     STIFFNESS,
     TIME,
     Dimension,
-    Quantity,
-    Refused,
-    read,
-    write,
 )
 
 finite = st.floats(allow_nan=False, allow_infinity=False)

@@ -77,7 +77,7 @@ def rating(
     >>> same.value, same.grade
     (1.0, 'excellent')
 
-    Raises: InvalidInput: a bad signal, too short or too long a shared interval, or a curve that is constant over it, which has
+    Raises: InvalidInput: the package is not installed, a bad signal, too short or too long a shared interval, or a curve that is constant over it, which has
     no phase and no slope to compare.
 
     References: ISO/TS 18571:2014, Road vehicles - Objective rating metric for non-ambiguous signals. The grades' bounds 0.94,
@@ -126,7 +126,12 @@ def _on_grid(samples: tuple[Floats, Floats], grid: Floats, name: str) -> Floats:
 
 def _parts(grid: Floats, reference: Floats, candidate: Floats) -> tuple[float, float, float, float]:
     """Corridor, phase, magnitude and slope, unrounded."""
-    from objective_rating_metrics.rating import ISO18571  # noqa: PLC0415  imports matplotlib and compiles: seconds
+    try:
+        from objective_rating_metrics.rating import ISO18571  # noqa: PLC0415  imports matplotlib and compiles: seconds
+    except ImportError:
+        raise InvalidInput(
+            "rating: got no package objective-rating-metrics; need it for ISO/TS 18571. pip install 'ridedown[rating]'"
+        ) from None
 
     # Where a shifted piece is flat its correlation is 0/0, which the package rightly never takes for the best.
     with np.errstate(invalid="ignore", divide="ignore"):
