@@ -280,8 +280,9 @@ def convert(values: ArrayLike, unit: str, to: str | None = None) -> Floats:
         return numbers.copy()
     # Two whole numbers, where they are doubles: -20 g is then the same double as -196.133 m/s2, and 356 mm as 0.356 m.
     converted: Floats
-    if max(ratio.numerator, ratio.denominator) < _EXACT:
-        converted = numbers * float(ratio.numerator) / float(ratio.denominator)
-    else:
-        converted = numbers * float(ratio)
+    with np.errstate(over="ignore"):  # a value too large becomes infinite, which whoever takes it refuses by name
+        if max(ratio.numerator, ratio.denominator) < _EXACT:
+            converted = numbers * float(ratio.numerator) / float(ratio.denominator)
+        else:
+            converted = numbers * float(ratio)
     return converted

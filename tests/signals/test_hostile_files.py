@@ -1,7 +1,7 @@
 """Whatever bytes a file holds, reading gives a record or one clear refusal: never another error, and little memory.
 
 2,000 inputs here, from fixed seeds: 500 texts and 500 changes of a good table, 500 changes of a good Parquet file, 500 of a
-good zip. Each channel that claims to be readable is read. `python -m tests.signals.test_hostile_files 100000` runs more.
+good zip. Each channel that claims to be readable is read. `python -m tests.signals.test_hostile_files 100000 1` runs more.
 """
 
 from __future__ import annotations
@@ -23,14 +23,17 @@ from ridedown.errors import InvalidInput, UnknownName
 from ridedown.signals import TestRecord, TimeHistory, read, write
 from ridedown.signals.files import open_tree
 
+FOUND = Path(__file__).parent / "hostile"
 GOOD = (
-    '# ridedown: {"test": {"identifier": "x"}}\n# ridedown: {"channels": {"a": {"code": "11HEAD0000H3ACX0", "filtered": '
-    '[[180, "SAE J211"]]}}}\ntime [s],a [g],b [mm]\n-0.0001,1.5,2\n0,1e3,\n0.0001,-.5,4\n'
-).encode()
+    b'# ridedown: {"test": {"identifier": "x"}}\n# ridedown: {"channels": {"a": {"code": "11HEAD0000H3ACX0", "filtered": '
+    b'[[180, "SAE J211"]]}}}\ntime [s],a [g],b [mm]\n-0.0001,1.5,2\n0,1e3,\n0.0001,-.5,4\n'
+)
 TOKENS = [
     b"", b",", b";", b"\t", b"\n", b"\r\n", b"\r", b'"', b"[", b"]", b"(", b"#", b"# ridedown: {", b"nan", b"inf", b"1e999",
-    b"-", b"1,5", b"0x10", b"1_000", b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", b"\xe9", b"9" * 400, b"1e-400", b"time", b"time [s]",
-    b"[g]", b"s", b"[" * 3000, b'{"a":' * 2000, b"\xe2\x80\xa8", b"\x1c", b"\x85", b" ", b"0.0002", b"-1", b"PAR1", b"PK\x03\x04",
+    b"-", b"1,5", b"0x10", b"1_000", b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", b"\xe9", b"9" * 400, b"1e-400", b"time",
+    b"time [s]",
+    b"[g]", b"s", b"[" * 3000, b'{"a":' * 2000, b"\xe2\x80\xa8", b"\x1c", b"\x85", b" ", b"0.0002", b"-1", b"PAR1",
+    b"PK\x03\x04",
     b'{"channels": []}', b'{"channels": {"a": {"filtered": [[true, "x"]]}}}', b'{"clock": {"interval": 1e-320}}',
     b'{"channels": {"a": {"filtered": [[1e400, ""]]}}}',
 ]  # fmt: skip
@@ -61,11 +64,14 @@ def mutated(content: bytes, chance: random.Random) -> bytes:
 
 def outcome(path: Path) -> str:
     """What reading gave: "read", or "refused"; anything but these two raises, and fails."""
+    refusal = ""
     try:
         record = read(path)
     except (InvalidInput, UnknownName) as problem:
-        assert 0 < len(str(problem)) < 1000
-        assert "\n" not in str(problem)
+        refusal = str(problem)
+    if refusal:
+        assert len(refusal) < 1000
+        assert "\n" not in refusal
         return "refused"
     assert isinstance(record, TestRecord)
     for sentence in record.faults():
@@ -112,6 +118,12 @@ def campaign(name: str, count: int, seed: int, folder: Path) -> Counter[str]:
             raise
         assert [item.name for item in work.iterdir()] == [name]
     return tally
+
+
+@pytest.mark.parametrize("path", sorted(FOUND.iterdir()), ids=lambda path: path.stem)
+def test_what_the_fuzzer_found_before_is_refused(path):
+    """Two Parquet files whose column statistics end the process in pyarrow 26, and one with fewer rows than its footer says."""
+    assert outcome(path) == "refused"
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -165,12 +177,12 @@ def test_any_bytes_that_begin_or_end_as_a_zip_are_opened_or_refused(tmp_path_fac
 @pytest.mark.parametrize(
     ("name", "content"),
     [
-        ("wide.csv", b"time [s]" + b",x [g]" * 19_000 + b"\n" + (b"0" + b",1" * 19_000 + b"\n") * 5),
+        ("wide.csv", b"time [s]" + b",x [g]" * 19_000 + b"\n" + (b"0" + b",1" * 19_000 + b"\n") * 2),
         ("long line.csv", b"time [s],x [g]\n0," + b"1" * 5_000_000 + b"\n"),
-        ("many lines.csv", b"time [s],x [g]\n" + b"\n" * 5_000_000),
+        ("many lines.csv", b"time [s],x [g]\n" + b"\n" * 1_000_000),
         ("empty cells.csv", b"time [s]" + b",x" * 100 + b"\n" + b"0" + b"," * 5_000_000),
         ("no lines.csv", b"\xff" * 5_000_000),
-        ("comments.csv", b"#\n" * 2_500_000),
+        ("comments.csv", b"#\n" * 300_000),
     ],
 )
 def test_memory_stays_within_some_tens_of_the_files_size(tmp_path, name, content):
@@ -186,9 +198,5 @@ def test_memory_stays_within_some_tens_of_the_files_size(tmp_path, name, content
 
 
 if __name__ == "__main__":
-    each = int(sys.argv[1]) // len(KINDS)
     for kind in KINDS:
-        with (
-            tempfile.TemporaryDirectory(delete=False) if sys.version_info >= (3, 12) else tempfile.TemporaryDirectory() as place
-        ):
-            print(kind, dict(campaign(kind, each, random.randrange(2**32), Path(place))))
+        print(kind, dict(campaign(kind, int(sys.argv[1]) // len(KINDS), int(sys.argv[2]), Path(tempfile.mkdtemp()))))

@@ -126,8 +126,8 @@ def test_a_table_without_times_is_refused(tmp_path):
 
 def test_more_rows_columns_or_bytes_than_a_test_has_are_refused(tmp_path, monkeypatch):
     path = stored(tmp_path / "t.parquet", {"a [g]": [1.0, 2.0, 3.0]})
-    monkeypatch.setattr(parquet, "MAX_COLUMN_BYTES", 10)
-    with pytest.raises(InvalidInput, match="takes more than 0 MiB"):
+    monkeypatch.setattr(parquet, "MAX_TABLE_BYTES", 10)
+    with pytest.raises(InvalidInput, match=r"got [0-9]+ bytes unpacked; need at most 10"):
         read_parquet(path)
     monkeypatch.setattr(parquet, "MAX_ROWS", 2)
     with pytest.raises(InvalidInput, match=r"got 3 rows; need 1 \.\. 2"):

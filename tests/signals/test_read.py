@@ -44,7 +44,7 @@ def test_a_table_in_a_folder_or_a_zip_is_read_if_it_is_the_only_one(tmp_path, re
     (tmp_path / "a.zip").unlink()
     assert list(read(tmp_path).channels) == ["head x", "femur"]
     write(record, tmp_path / "b.parquet")
-    with pytest.raises(InvalidInput, match=r"got a\.csv, b\.parquet, .*need one test"):
+    with pytest.raises(InvalidInput, match=r"got a\.csv, b\.parquet in .*need one test"):
         read(tmp_path)
     (tmp_path / "a.csv").unlink()
     assert read(tmp_path).format == "Parquet"

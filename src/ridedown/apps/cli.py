@@ -18,6 +18,7 @@ from ridedown import __version__
 from ridedown.errors import RidedownError
 
 if TYPE_CHECKING:
+    from ridedown.report.criteria import CriteriaReport
     from ridedown.response import Response
 
 BAD_INPUT, STOPPED = 2, 3
@@ -80,6 +81,7 @@ def run(
 
         # after what can be wrong with the input, for these take most of the time
         from ridedown.apps import show
+        from ridedown.report.summary import run_data
         from ridedown.simulation import simulate
 
         _say_if_cold()
@@ -88,13 +90,69 @@ def run(
         if out is not None:
             _write_run(response, out)
         if as_json:
-            show.as_json(response.summary())
+            show.as_json(run_data(response))
         else:
             show.run_summary(response)
             _say_written(out)
         if not response.completed:
             typer.echo(f"ridedown: stopped at {1e3 * response.end_time:.3f} ms: {response.status.sentence}.", err=True)
             raise typer.Exit(STOPPED)
+
+
+@app.command()
+def criteria(
+    path: Annotated[
+        str, typer.Argument(metavar="PATH", help="A test: NHTSA EV5 or ISO-MME (folder, zip), CSV, TSV or Parquet.")
+    ],
+    as_json: Json = False,
+    out: Out = None,
+) -> None:
+    """Judge a measured crash test.
+
+    Prints every criterion that its channels allow, beside the official results, verdicts, and the
+    peaks of every channel. With --out also writes an HTML page with figures.
+    """
+    with _plain_errors():
+        from ridedown.apps.measured import record_at
+        from ridedown.apps.output import check_folder
+
+        if out is not None:
+            check_folder(out)
+        record = record_at(path)
+
+        from ridedown.apps import show
+        from ridedown.report.criteria import CriteriaReport
+
+        with show.working("computing the criteria"):
+            report = CriteriaReport(record)
+            data = report.as_json()
+        if out is not None:
+            _write_criteria(report, out)
+        if as_json:
+            show.as_json(data)
+        else:
+            show.criteria(report)
+            _say_written(out)
+
+
+@app.command()
+def convert(
+    source: Annotated[str, typer.Argument(metavar="IN", help="A test in any format, or a scenario (file or catalogue name).")],
+    target: Annotated[str, typer.Argument(metavar="OUT", help="*.csv, *.tsv, *.parquet, or ISO-MME: *.zip or a folder.")],
+) -> None:
+    """Write a test, or a simulated crash, in another format.
+
+    The name of OUT tells the format. Channels without a curve are left out, and said.
+    """
+    with _plain_errors():
+        from ridedown.apps.convert import convert as converted
+
+        done = converted(source, target, _simulated)
+        if done.without_curve:
+            typer.echo(f"ridedown: {done.without_curve} channels have no curve to read and are left out.", err=True)
+        for sentence in done.remarks:
+            typer.echo(f"ridedown: {' '.join(sentence.split())}", err=True)
+        typer.echo(str(done))
 
 
 @app.command()
@@ -177,6 +235,26 @@ def _refuse(sentence: str) -> None:
 def _say_written(out: Path | None) -> None:
     if out is not None:
         typer.echo(f"Written to {out}: open {out / 'index.html'}")
+
+
+def _simulated(scenario: str) -> Response:
+    from ridedown.apps import show
+    from ridedown.scenario import load
+    from ridedown.simulation import simulate
+
+    loaded = load(scenario)
+    _say_if_cold()
+    with show.working("simulating"):
+        return simulate(loaded, throw=False)
+
+
+def _write_criteria(report: CriteriaReport, out: Path) -> None:
+    from ridedown.apps import show
+    from ridedown.apps.output import staged
+    from ridedown.report.criteria import write
+
+    with show.working("drawing"), staged(out) as stage:
+        write(report, stage)
 
 
 def _write_run(response: Response, out: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich import box
@@ -15,10 +15,13 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from ridedown import catalogue
-from ridedown.report import summary
+from ridedown.report import criteria_tables, summary
 from ridedown.report.jsontext import json_text
 from ridedown.report.tables import Column, Table
 from ridedown.response import Response
+
+if TYPE_CHECKING:
+    from ridedown.report.criteria import CriteriaReport
 
 _EVENTS_SHOWN = 40
 _PIPE_WIDTH = 120
@@ -80,20 +83,33 @@ def run_summary(response: Response) -> None:
     )
 
 
+def criteria(report: CriteriaReport) -> None:
+    """Print what the criteria of a test come to."""
+    note(report.title)
+    if report.description:
+        note(report.description)
+    console().print()
+    tables(*report.tables)
+    tables(*criteria_tables.verdict_tables(report.assessments), upright_only=True)
+    tables(*report.channel_tables)
+    for text in report.notes:
+        note(text)
+
+
 def note(text: str) -> None:
     """Print a line below the tables."""
     console().print(Text(text), soft_wrap=not sys.stdout.isatty())
 
 
-def tables(*shown: Table) -> None:
-    """Print tables, leaving out those with no row."""
+def tables(*shown: Table, upright_only: bool = False) -> None:
+    """Print tables, leaving out those with no row; wide ones of few rows on their side, unless they are of sentences."""
     out = console()
     for table in shown:
         if table.rows:
             upright = _rich(table)
             # results by body are wide and few: better on their side than squeezed
             natural = out.measure(upright, options=out.options.update(max_width=_UNBOUND)).maximum
-            turn = natural > out.width and len(table.rows) < len(table.columns)
+            turn = not upright_only and natural > out.width and len(table.rows) < len(table.columns)
             out.print(_rich(table.turned()) if turn else upright)
             out.print()
 

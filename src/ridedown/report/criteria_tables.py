@@ -1,4 +1,4 @@
-"""The criteria of a crash as tables and as data for JSON: beside the official results, the peaks of every channel, verdicts."""
+"""The criteria of a crash as tables and as data for JSON: beside the official results, and verdicts."""
 
 from __future__ import annotations
 
@@ -6,25 +6,19 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from ridedown.errors import InvalidInput
 from ridedown.limits import CRITERIA, Assessment, CrashCriteria, Evidence, Judgement, OccupantCriteria, assess, regulations
 from ridedown.limits.findings import in_field
+from ridedown.report.criteria_channels import Channels
 from ridedown.report.tables import NONE, Column, Table, number
-from ridedown.signals.ev5_results import HIC15, HIC36, hic_window
-from ridedown.signals.history import TimeHistory
-from ridedown.signals.record import ChannelInfo, OfficialResult, TestRecord
+from ridedown.signals.ev5_results import hic_window
+from ridedown.signals.record import OfficialResult
 
 _MS = 1e3
-_MOST_NAMED = 12
-"""Channels, or runs of them, that a table names for one reason; the rest it counts."""
 
 _OFFICIAL: Mapping[str, str] = {"CLIP3M": "chest_3ms", "LFEM": "femur_left", "RFEM": "femur_right"}
 """What the laboratory calls a result, and our key for it. HIC is told by its window."""
 
 _DIGITS = {"": 3, "g": 2, "mm": 1, "N": 0, "m/s": 3, "km/h": 2}
-_PLAIN_HIC = ("hic15", "hic36")
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,39 +67,45 @@ def _compared(occupant: OccupantCriteria) -> Iterator[Compared]:
 
 
 def _hic_keys(hic: OfficialResult) -> tuple[str, ...]:
-    window = hic_window(hic)
-    return {HIC15: ("hic15",), HIC36: ("hic36",)}.get(window, _PLAIN_HIC) if window is not None else _PLAIN_HIC
+    match hic_window(hic):
+        case 0.015:
+            return ("hic15",)
+        case 0.036:
+            return ("hic36",)
+        case _:
+            return ("hic15", "hic36")
 
 
 # tables
 
 
-def occupant_table(occupant: OccupantCriteria) -> Table:
+def occupant_name(occupant: OccupantCriteria, found: CrashCriteria) -> str:
+    """What an occupant is called: by its seat, and by its vehicle too where there is more than one."""
+    if len(found.vehicles) > 1 and occupant.vehicle:
+        return f"occupant {occupant.seat} of {_vehicle_name(occupant.vehicle)}"
+    return f"occupant {occupant.seat}"
+
+
+def occupant_title(occupant: OccupantCriteria, found: CrashCriteria) -> str:
+    """The name with the dummy: `Occupant 01, Hybrid III 50`."""
+    name = occupant_name(occupant, found)
+    return f"{name[0].upper()}{name[1:]}" + (f", {occupant.dummy}" if occupant.dummy else "")
+
+
+def occupant_table(occupant: OccupantCriteria, found: CrashCriteria) -> Table:
     """One occupant's criteria: value, when, the official result and the difference, the channels; one row each."""
     beside = compared(occupant)
-    rows = []
-    for key, finding in occupant.findings.items():
-        unit = CRITERIA[key].unit
-        rows.append(
-            (
-                CRITERIA[key].label + (" (indicator only)" if finding.indicator else ""),
-                _shown(occupant.value(key), unit),
-                unit or NONE,
-                number(finding.start, scale=_MS),
-                number(finding.end, scale=_MS),
-                *_official_cells(beside, key),
-                ", ".join(finding.used),
-            )
-        )
+    # an official result is shown also where our channels do not allow the criterion
+    keys = dict.fromkeys((*occupant.findings, *(one.criterion for one in beside)))
+    rows = [_occupant_row(occupant, key, beside) for key in keys]
     known = {one.official_name for one in beside}
     rows += [
-        (f"{name}, official", NONE, result.unit or NONE, NONE, NONE, _shown(result.value, result.unit), NONE, NONE, NONE)
+        (f"{name} (no criterion here)", NONE, result.unit or NONE, NONE, NONE, f"{result.value:g}", NONE, NONE, NONE)
         for name, result in occupant.official.items()
         if name not in known
     ]
-    who = f"Occupant {occupant.seat}" + (f", {occupant.dummy}" if occupant.dummy else "")
     columns = (
-        Column(who, numeric=False),
+        Column("Criterion", numeric=False),
         Column("Value"),
         Column("Unit", numeric=False),
         Column("from", "ms"),
@@ -115,7 +115,21 @@ def occupant_table(occupant: OccupantCriteria) -> Table:
         Column("Official interval", "ms"),
         Column("Channels", numeric=False),
     )
-    return Table(f"{who}: criteria", columns, tuple(rows)).without_empty_columns()
+    return Table(occupant_title(occupant, found), columns, tuple(rows)).without_empty_columns()
+
+
+def _occupant_row(occupant: OccupantCriteria, key: str, beside: Iterable[Compared]) -> tuple[str, ...]:
+    finding = occupant.findings.get(key)
+    unit = CRITERIA[key].unit
+    return (
+        CRITERIA[key].label + (" (indicator only)" if finding is not None and finding.indicator else ""),
+        _shown(occupant.value(key), unit),
+        unit or NONE,
+        number(None if finding is None else finding.start, scale=_MS),
+        number(None if finding is None else finding.end, scale=_MS),
+        *_official_cells(beside, key),
+        ", ".join(finding.used) if finding is not None else NONE,
+    )
 
 
 def _official_cells(beside: Iterable[Compared], key: str) -> tuple[str, str, str]:
@@ -126,7 +140,7 @@ def _official_cells(beside: Iterable[Compared], key: str) -> tuple[str, str, str
     value = mine["value"]
     interval = f"{mine['start'].official:.1f} to {mine['end'].official:.1f}" if {"start", "end"} <= set(mine) else NONE
     digits = _digits(value.value if value.value is not None else value.official, value.unit)
-    return f"{value.official:g}", _signed(value.difference, digits), interval
+    return f"{value.official:g}", _signed(value.difference, max(digits, 1)), interval
 
 
 def missing_table(found: CrashCriteria) -> Table:
@@ -134,7 +148,7 @@ def missing_table(found: CrashCriteria) -> Table:
     reasons: dict[tuple[str, str], list[str]] = {}
     for occupant in found.occupants:
         for key, why in occupant.missing.items():
-            reasons.setdefault((f"occupant {occupant.seat}", why), []).append(CRITERIA[key].label)
+            reasons.setdefault((occupant_name(occupant, found), why), []).append(CRITERIA[key].label)
     for vehicle in found.vehicles:
         for key, why in vehicle.missing.items():
             label = CRITERIA[key].label if key in CRITERIA else key.replace("_", " ")
@@ -159,7 +173,14 @@ def vehicle_table(found: CrashCriteria) -> Table:
                 ("dynamic crush", crush, 0, 1e3, "mm", crushed_at),
                 ("time to zero velocity", vehicle.time_to_zero_velocity, 2, _MS, "ms", None),
                 ("coefficient of restitution", vehicle.restitution, 3, 1.0, NONE, None),
-                ("peak acceleration", None if peak is None else abs(peak.value), 2, 1 / 9.80665, "g", peak and peak.time),
+                (
+                    "peak acceleration",
+                    None if peak is None else abs(peak.value),
+                    2,
+                    1 / 9.80665,
+                    "g",
+                    None if peak is None else peak.time,
+                ),
                 ("VPI", vehicle.vpi, 1, 1.0, "m/s²", None),
             )
             if value is not None
@@ -178,6 +199,16 @@ def vehicle_table(found: CrashCriteria) -> Table:
         Column("Remark", numeric=False),
     )
     return Table("Vehicles", columns, tuple(rows)).without_empty_columns()
+
+
+def occupant_notes(found: CrashCriteria) -> tuple[str, ...]:
+    """What there is to know about occupants' values: a second sensor that stands in, a channel left out, and the like."""
+    said: dict[tuple[str, str], list[str]] = {}
+    for occupant in found.occupants:
+        for key, finding in occupant.findings.items():
+            for remark in finding.remarks:
+                said.setdefault((occupant_title(occupant, found), remark), []).append(CRITERIA[key].label)
+    return tuple(f"{who}, {', '.join(labels)}: {remark.rstrip('.')}." for (who, remark), labels in said.items())
 
 
 def pulse_notes(found: CrashCriteria) -> tuple[str, ...]:
@@ -249,140 +280,6 @@ def _verdict_row(assessment: Assessment, judgement: Judgement) -> tuple[str, ...
     )
 
 
-# channels
-
-
-@dataclass(frozen=True, slots=True)
-class Peaks:
-    """A channel that was read: its largest and smallest value, in its own unit as recorded, and when [s]."""
-
-    info: ChannelInfo
-    unit: str
-    largest: float
-    largest_time: float
-    smallest: float
-    smallest_time: float
-    filtered: str
-    remarks: tuple[str, ...]
-
-    def as_json(self) -> dict[str, Any]:
-        """Plain data for JSON."""
-        info = self.info
-        return {
-            "key": info.key,
-            "name": info.name,
-            "code": info.code,
-            "location": info.location,
-            "quantity": info.quantity,
-            "axis": info.axis,
-            "occupant": info.occupant,
-            "vehicle": info.vehicle,
-            "unit": self.unit,
-            "largest": self.largest,
-            "largest_time_s": self.largest_time,
-            "smallest": self.smallest,
-            "smallest_time_s": self.smallest_time,
-            "filtered": self.filtered or None,
-            "status": info.status,
-            "remarks": list(self.remarks),
-        }
-
-
-@dataclass(frozen=True, slots=True)
-class Channels:
-    """A record's channels: the peaks of those that could be read, and the others with the reason."""
-
-    peaks: tuple[Peaks, ...]
-    unusable: tuple[tuple[ChannelInfo, str], ...]
-
-
-def channels_of(record: TestRecord) -> Channels:
-    """Read every channel once: its peaks, or why there are none."""
-    peaks, unusable = [], []
-    for info in record.channels.values():
-        if not info.readable:
-            unusable.append((info, info.status or "no curve"))
-            continue
-        try:
-            peaks.append(_peaks(info, record.history(info)))
-        except InvalidInput as problem:
-            unusable.append((info, str(problem)))
-    return Channels(tuple(peaks), tuple(unusable))
-
-
-def _peaks(info: ChannelInfo, history: TimeHistory) -> Peaks:
-    top, bottom = int(np.argmax(history.values)), int(np.argmin(history.values))
-    time, values = history.time, history.values
-    through = str(history.filtered) if history.filtered else ""
-    return Peaks(
-        info,
-        history.unit,
-        float(values[top]),
-        float(time[top]),
-        float(values[bottom]),
-        float(time[bottom]),
-        through,
-        history.remarks,
-    )
-
-
-def peaks_table(channels: Channels) -> Table:
-    """The peaks of every channel, as recorded."""
-    columns = (
-        Column("Channel", numeric=False),
-        Column("Name", numeric=False),
-        Column("Unit", numeric=False),
-        Column("Largest"),
-        Column("at", "ms"),
-        Column("Smallest"),
-        Column("at", "ms"),
-        Column("Filter", numeric=False),
-        Column("Status", numeric=False),
-    )
-    rows = tuple(
-        (
-            one.info.key,
-            one.info.name if one.info.name != one.info.key else NONE,
-            one.unit or NONE,
-            _signed_plain(one.largest),
-            number(one.largest_time, scale=_MS),
-            _signed_plain(one.smallest),
-            number(one.smallest_time, scale=_MS),
-            one.filtered or NONE,
-            one.info.status or NONE,
-        )
-        for one in channels.peaks
-    )
-    return Table("Channels: peaks as recorded, before any filter of ours", columns, rows).without_empty_columns()
-
-
-def unusable_table(channels: Channels) -> Table:
-    """The channels that could not be used, by the reason."""
-    reasons: dict[str, list[str]] = {}
-    for info, why in channels.unusable:
-        reasons.setdefault(why, []).append(info.key)
-    columns = (Column("Why", numeric=False), Column("How many"), Column("Channels", numeric=False))
-    rows = tuple((why, str(len(keys)), _ranges(keys)) for why, keys in reasons.items())
-    return Table("Channels that could not be used", columns, rows)
-
-
-def _ranges(keys: Iterable[str]) -> str:
-    """Keys in few words: runs of numbers as `4 to 12`.
-
-    >>> _ranges(["4", "5", "6", "9", "belt"])
-    '4 to 6, 9, belt'
-    """
-    runs: list[list[str]] = []
-    for key in keys:
-        if runs and key.isdecimal() and runs[-1][-1].isdecimal() and int(key) == int(runs[-1][-1]) + 1:
-            runs[-1].append(key)
-        else:
-            runs.append([key])
-    said = [run[0] if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs]
-    rest = len(said) - _MOST_NAMED
-    return ", ".join(said) if rest <= 0 else ", ".join((*said[:_MOST_NAMED], f"and {sum(map(len, runs[_MOST_NAMED:]))} more"))
-
-
 # JSON
 
 
@@ -452,7 +349,3 @@ def _shown(value: float | None, unit: str) -> str:
 def _signed(value: float | None, digits: int) -> str:
     text = number(value, digits)
     return f"+{text}" if value is not None and value > 0.0 and float(text) != 0.0 else text
-
-
-def _signed_plain(value: float) -> str:
-    return f"{value:.5g}".replace("-", "\u2212")

@@ -19,7 +19,7 @@ def write(response: Response, folder: Path) -> None:
     for plot in drawn:
         (folder / f"{plot.name}.svg").write_bytes(plot.svg)
     (folder / "index.html").write_text(html(response, drawn), encoding="utf-8")
-    (folder / "summary.json").write_text(json_text(response.summary()) + "\n", encoding="utf-8")
+    (folder / "summary.json").write_text(json_text(summary.run_data(response)) + "\n", encoding="utf-8")
     (folder / "scenario.toml").write_text(dump(response.scenario), encoding="utf-8")
     response.to_csv(folder / "channels.csv")
     response.to_parquet(folder / "channels.parquet")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ridedown.events import Event
+from ridedown.limits import CrashCriteria, OccupantCriteria, criteria_of, evidence
 from ridedown.report.tables import NONE, Column, Table, number
 from ridedown.response import MassResult, Response, VehicleResult
 
@@ -15,7 +18,14 @@ _LEFT_OUT = "left out by the model"  # restraints that do not push back, the lev
 
 def result_tables(response: Response) -> tuple[Table, ...]:
     """The results in the order to read them in; those with no row are left out."""
-    made = (vehicles(response), masses(response), occupants(response), energy(response), momentum(response))
+    made = (
+        vehicles(response),
+        masses(response),
+        occupants(response),
+        criteria(response),
+        energy(response),
+        momentum(response),
+    )
     return tuple(table.without_empty_columns() for table in made if table.rows)
 
 
@@ -136,6 +146,49 @@ def occupants(response: Response) -> Table:
             for name, o in response.occupants.items()
         ),
     )
+
+
+def criteria(response: Response) -> Table:
+    """Each occupant's injury criteria, with the intervals they were found over."""
+    return Table(
+        "Criteria of the occupants; each is one mass without a head, so HIC, of the whole mass, is an indicator only",
+        (
+            Column("Occupant", numeric=False),
+            Column("3 ms acceleration", "g"),
+            Column("from", "ms"),
+            Column("to", "ms"),
+            Column("HIC15"),
+            Column("from", "ms"),
+            Column("to", "ms"),
+            Column("HIC36"),
+            Column("from", "ms"),
+            Column("to", "ms"),
+        ),
+        tuple(
+            (one.seat, *(cell for key in ("chest_3ms", "hic15", "hic36") for cell in _criterion(one, key)))
+            for one in occupant_criteria(response).occupants
+        ),
+    )
+
+
+def occupant_criteria(response: Response) -> CrashCriteria:
+    """The criteria of a response's occupants alone: those of vehicles take longer, and a summary shows none."""
+    have = evidence(response)
+    have.vehicles = ()
+    return criteria_of(have)
+
+
+def run_data(response: Response) -> dict[str, Any]:
+    """What a run comes to as plain data for JSON: the response's summary, and its occupants' criteria."""
+    found = occupant_criteria(response).as_json()
+    return {**response.summary(), "criteria": {"occupants": found["occupants"]}}
+
+
+def _criterion(occupant: OccupantCriteria, key: str) -> tuple[str, str, str]:
+    found = occupant.findings.get(key)
+    if found is None:
+        return NONE, NONE, NONE
+    return number(occupant.value(key)), number(found.start, scale=_MS), number(found.end, scale=_MS)
 
 
 def energy(response: Response) -> Table:

@@ -21,7 +21,7 @@ import numpy as np
 from ridedown import units
 from ridedown.errors import InvalidInput
 from ridedown.signals import tables
-from ridedown.signals.files import MAX_FILE_BYTES, Tree, decoded, shown
+from ridedown.signals.files import MAX_FILE_BYTES, Tree, decoded, read_bounded, shown
 from ridedown.signals.history import Floats, TimeHistory
 from ridedown.signals.numerals import numbers_of
 from ridedown.signals.record import ChannelInfo, TestRecord, info_of
@@ -56,7 +56,7 @@ def read_delimited(source: str | Path | Tree, name: str | None = None) -> TestRe
 def _bytes_of(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            content = file.read(MAX_FILE_BYTES + 1)
+            content = read_bounded(file, MAX_FILE_BYTES + 1)
     except OSError as problem:
         raise InvalidInput(
             f"path: got {path}, which cannot be read ({problem.strerror}); need a file. Check the path."
@@ -242,9 +242,9 @@ def _record(table: _Table, stem: str) -> TestRecord:
 
 def _doubts(name: str, unit: str | None, where: str) -> tuple[str, ...]:
     if unit is None:
-        return (f"{where}: column {name!r} has no unit; its values are taken as bare numbers",)
+        return (f"{where}: column {name[:60]!r} has no unit; its values are taken as bare numbers",)
     if not units.is_known(unit):
-        return (f"{where}: column {name!r} is in {unit!r}, a unit that is not known; its values cannot be converted",)
+        return (f"{where}: column {name[:60]!r} is in {unit[:40]!r}, a unit that is not known; its values cannot be converted",)
     return ()
 
 

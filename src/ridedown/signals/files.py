@@ -29,7 +29,7 @@ MAX_DIRECTORY_BYTES = 4 * 2**20
 MAX_DEPTH = 6
 """Folders within folders: tests are two or three deep, and a folder given by mistake may be a whole disk."""
 
-_CHUNK = 2**16
+_CHUNK = 2**20
 _LOCAL_HEADER = 30  # bytes, before the name and the extra field (APPNOTE.TXT, PKWARE, 4.3.7)
 _READABLE = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
 _DRIVE = re.compile(r"[A-Za-z]:")
@@ -92,7 +92,7 @@ class Tree:
         try:
             if isinstance(member, Path):
                 with member.open("rb") as file:
-                    content = file.read(MAX_FILE_BYTES + 1)
+                    content = read_bounded(file, MAX_FILE_BYTES + 1)
             else:
                 with self.path.open("rb") as file:
                     content = _member_bytes(file, member, name)
@@ -133,6 +133,15 @@ def is_zip(path: Path) -> bool:
     """Whether a file begins as a zip does, with members or without."""
     with path.open("rb") as file:
         return file.read(4) in {b"PK\x03\x04", b"PK\x05\x06"}
+
+
+def read_bounded(file: IO[bytes], most: int) -> bytes:
+    """What is left of a file, `most` bytes at most; taking no more memory than it holds, whatever its size was said to be."""
+    parts: list[bytes] = []
+    while most > 0 and (part := file.read(min(_CHUNK, most))):
+        parts.append(part)
+        most -= len(part)
+    return b"".join(parts)
 
 
 def decoded(content: bytes, where: str) -> str:
@@ -273,7 +282,7 @@ def _member_bytes(file: IO[bytes], info: zipfile.ZipInfo, name: str) -> bytes:
     if len(header) < _LOCAL_HEADER or header[:4] != b"PK\x03\x04":
         raise _damaged(name, "no header where the list says")
     file.seek(int.from_bytes(header[26:28], "little") + int.from_bytes(header[28:30], "little"), os.SEEK_CUR)
-    packed = file.read(info.compress_size)
+    packed = read_bounded(file, info.compress_size)
     if info.compress_type == zipfile.ZIP_DEFLATED:
         content = zlib.decompressobj(-15).decompress(packed, info.file_size + 1)
     else:

@@ -10,7 +10,6 @@ References:
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,7 +21,11 @@ from ridedown.errors import InvalidInput
 
 Floats = NDArray[np.float64]
 
-_SHORTEST = 1e-12  # s; below it the rate would be no whole double
+LATEST = 1e12
+"""s; a time beyond it is a mistake, and arithmetic with it soon overflows. Clocks that count from 1970 are at 2e9 s."""
+SHORTEST = 1e-12
+"""s; the shortest interval between even values. Recorders are a million times slower."""
+
 _ON_GRID = 1e-6  # parts of an interval: how near the start must be to a multiple of the interval to be one
 
 
@@ -197,16 +200,15 @@ def sample_times(start: float, interval: float | None, count: int) -> Floats:
     if abs(first - nearest) > _ON_GRID:
         return start + interval * np.arange(count, dtype=np.float64)
     whole = np.arange(nearest, nearest + count, dtype=np.float64)
-    rate = round(1.0 / interval) if interval > _SHORTEST else 0
-    times: Floats = whole / rate if rate and 1.0 / rate == interval else whole * interval
+    rate = round(1.0 / interval)
+    times: Floats = whole / rate if rate > 0 and 1.0 / rate == interval else whole * interval
     return times
 
 
 def _grid(start: float, interval: float, count: int, name: str) -> tuple[float, float]:
-    if not (math.isfinite(interval) and interval > 0.0):
-        raise InvalidInput(f"{name}.interval: got {interval:g} s; need > 0 s. Give the time between two values.")
-    first = start / interval
-    if not (math.isfinite(first) and abs(first) < 1e15 and math.isfinite(start + interval * count)):
+    if not SHORTEST <= interval <= LATEST:
+        raise InvalidInput(f"{name}.interval: got {interval:g} s; need > 0 s, and no less than {SHORTEST:g} s. Check its unit.")
+    if not (abs(start) <= LATEST and abs(start) / interval < 1e15 and interval * count <= LATEST):
         raise InvalidInput(f"{name}.start: got {start:g} s; need a time near the recording. Give that of the first value.")
     return float(sample_times(start, interval, 1)[0]), interval
 
@@ -215,7 +217,9 @@ def _times(stamps: ArrayLike, count: int, name: str) -> Floats:
     times = _column(stamps, f"{name}.stamps")
     if times.size != count:
         raise InvalidInput(f"{name}.stamps: got {times.size} times; need {count}, one for each value. Check what was read.")
-    falls = np.flatnonzero(np.diff(times) < 0.0)
+    if not np.abs(times).max() <= LATEST:
+        raise InvalidInput(f"{name}.stamps: got {times[-1]:g} s; need times within {LATEST:g} s of zero. Check their unit.")
+    falls = np.flatnonzero(times[1:] < times[:-1])
     if falls.size:
         i = int(falls[0])
         raise InvalidInput(

@@ -22,7 +22,7 @@ import numpy as np
 
 from ridedown import units
 from ridedown.errors import InvalidInput
-from ridedown.signals.history import Filter, Floats, TimeHistory, sample_times
+from ridedown.signals.history import LATEST, SHORTEST, Filter, Floats, TimeHistory, sample_times
 from ridedown.signals.record import TestRecord
 
 MAX_COLUMNS = 20_000
@@ -80,7 +80,9 @@ def column_of_times(headings: Sequence[tuple[str, str | None]], where: str) -> i
             return i
     name = headings[candidates[0]][0][:60]
     if called:
-        raise InvalidInput(f"{where}: got a column {name!r} without a unit of time; need one. Write time [s] or time [ms].")
+        raise InvalidInput(
+            f"{where}: got a column {name[:60]!r} without a unit of time; need one. Write time [s] or time [ms]."
+        )
     raise InvalidInput(f"{where}: got no column of times; need one. Give the first column the heading time [s].")
 
 
@@ -98,7 +100,11 @@ def grid_of(times: Floats, where: str, clock: Any = None) -> Grid:
     """
     if not np.isfinite(times).all():
         raise InvalidInput(f"{where}: got no time in row {int(np.argmin(np.isfinite(times))) + 1}; need one in each row.")
-    falls = np.flatnonzero(np.diff(times) < 0.0)
+    if not np.abs(times).max() <= LATEST:
+        raise InvalidInput(
+            f"{where}: got a time of {times[int(np.argmax(np.abs(times)))]:g} s; need one near zero. Check its unit."
+        )
+    falls = np.flatnonzero(times[1:] < times[:-1])
     if falls.size:
         i = int(falls[0])
         raise InvalidInput(
@@ -107,9 +113,10 @@ def grid_of(times: Floats, where: str, clock: Any = None) -> Grid:
     said = _said_interval(clock)
     if said is not None and np.array_equal(sample_times(float(times[0]), said, times.size), times):
         return float(times[0]), said, None, ()
-    if times.size < 2 or times[-1] == times[0] or clock == STAMPS:
+    estimate, start = float(times[-1] - times[0]) / max(times.size - 1, 1), float(times[0])
+    # As far from zero as that, a double holds no half of a thousandth of the interval: there is no telling whether it is even.
+    if clock == STAMPS or estimate < max(SHORTEST, 1e3 * float(np.spacing(np.abs(times).max()))):
         return 0.0, None, times, ()
-    estimate, start = float(times[-1] - times[0]) / (times.size - 1), float(times[0])
     candidates = _candidates(times, estimate)
     worst = [float(np.abs(sample_times(start, interval, times.size) - times).max()) / interval for interval in candidates]
     rounding = 4.0 * float(np.spacing(np.abs(times).max())) / estimate
@@ -135,12 +142,12 @@ def _candidates(times: Floats, estimate: float) -> list[float]:
         for _ in range(4):
             tried += [above, below]
             above, below = math.nextafter(above, math.inf), math.nextafter(below, 0.0)
-    return [interval for interval in dict.fromkeys(tried) if interval > 0.0]
+    return [interval for interval in dict.fromkeys(tried) if interval >= SHORTEST]
 
 
 def _said_interval(clock: Any) -> float | None:
     interval = clock.get("interval") if isinstance(clock, dict) else None
-    return interval if isinstance(interval, float) and 0.0 < interval < math.inf else None
+    return interval if isinstance(interval, float) and SHORTEST <= interval <= LATEST else None
 
 
 def column(name: str, values: Floats, times: Floats, grid: Grid, unit: str, about: Any, where: str) -> TimeHistory:
@@ -150,16 +157,18 @@ def column(name: str, values: Floats, times: Floats, grid: Grid, unit: str, abou
     """
     present = ~np.isnan(values)
     if not present.any():
-        raise InvalidInput(f"{where}: got no value in column {name!r}; need one at least. Leave the column out.")
+        raise InvalidInput(f"{where}: got no value in column {name[:60]!r}; need one at least. Leave the column out.")
     first, last = int(np.argmax(present)), len(values) - 1 - int(np.argmax(present[::-1]))
     if not present[first : last + 1].all():
         gap = first + int(np.argmin(present[first : last + 1]))
-        raise InvalidInput(f"{where}: got no value in column {name!r} at {times[gap]:g} s; need one in each row. Fill the gap.")
+        raise InvalidInput(
+            f"{where}: got no value in column {name[:60]!r} at {times[gap]:g} s; need one in each row. Fill the gap."
+        )
     start, interval, stamps, remarks = grid
     if first > 0:
-        remarks += (f"{where}: column {name!r} begins late, at {times[first]:g} s",)
+        remarks += (f"{where}: column {name[:60]!r} begins late, at {times[first]:g} s",)
     if last + 1 < len(values):
-        remarks += (f"{where}: column {name!r} ends early, at {times[last]:g} s",)
+        remarks += (f"{where}: column {name[:60]!r} ends early, at {times[last]:g} s",)
     part = slice(first, last + 1)
     code, state = _about(about)
     return TimeHistory(
@@ -182,13 +191,13 @@ def distinct(names: Sequence[str]) -> list[str]:
     ['time', 'column 2', 'head x', 'head x (2)']
     """
     taken: set[str] = set()
+    counts: Counter[str] = Counter()  # where to go on counting: a table may have 20,000 columns of one name
     result = []
     for i, name in enumerate(names, start=1):
         wanted = unique = name[:_LONGEST_NAME] or f"column {i}"
-        count = 1
         while unique in taken:
-            count += 1
-            unique = f"{wanted} ({count})"
+            counts[wanted] += 1
+            unique = f"{wanted} ({counts[wanted] + 1})"
         taken.add(unique)
         result.append(unique)
     return result
