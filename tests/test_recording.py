@@ -64,6 +64,7 @@ def test_a_record_has_every_channel_and_codes_where_there_is_a_place(response) -
     assert record.channels["child.acceleration"].code == "14CHST000000ACX0"
     assert record.channels["vehicle2.velocity"].code == "20VEHC000000VEX0"
     assert record.channels["adult.excursion"].code is None
+    assert record.channels["adult.displacement"].code is None  # a chest's displacement is its deflection elsewhere
     codes = [info.code for info in record.channels.values() if info.code]
     assert len(codes) == len(set(codes))
     assert [(v.mass, v.speed) for v in record.vehicles] == [(1500.0, 13.33), (1500.0, 13.33)]

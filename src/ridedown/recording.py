@@ -61,6 +61,8 @@ def code_of(channel: str, places: Mapping[str, tuple[str, str]]) -> str | None:
         return None
     vehicle, position = places[body]
     location = "VEHC" if position == "0" else "CHST"
+    if location == "CHST" and quantity == "displacement":
+        return None  # a displacement of the chest is its deflection, to every other program
     return str(ChannelCode(vehicle, position, location, "00", "00", "00", _QUANTITIES[quantity], "X", "0"))
 
 

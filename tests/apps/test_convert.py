@@ -93,12 +93,29 @@ def test_a_folder_may_have_a_dot_in_its_name_if_it_ends_in_a_slash(tmp_path):
     assert len(curves_of(tmp_path / "sled.7")) == 2
 
 
-@pytest.mark.parametrize("source", ["no-such-test", "none.csv", "example-wal"])
+@pytest.mark.parametrize("source", ["no-such-test", "none.csv", "example-wal", "", "a\0b", "x" * 5000])
 def test_a_source_that_is_not_there_writes_nothing(tmp_path, source):
     result = invoke("convert", source, str(tmp_path / "out.csv"))
     assert result.exit_code == 2
     assert len(result.stderr.splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_holds_the_test_itself_is_not_written_over(tmp_path):
+    write(small(), tmp_path / "sled7")
+    within = tmp_path / "sled7" / "Channel"
+    result = invoke("convert", str(tmp_path / "sled7" / "sled7.mme"), str(tmp_path / "sled7"))
+    assert result.exit_code == 2
+    assert "holds the test itself" in result.stderr
+    assert len(list(within.iterdir())) == 3
+
+
+def test_a_scenario_that_stops_early_writes_nothing(tmp_path):
+    (tmp_path / "spins.toml").write_text(SPINNING_BAR)
+    result = invoke("convert", str(tmp_path / "spins.toml"), str(tmp_path / "out.csv"))
+    assert result.exit_code == 2
+    assert "bar turned" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["spins.toml"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -148,3 +165,21 @@ def test_a_test_of_the_database_is_not_written_over_by_itself(tmp_path):
     assert invoke("convert", str(copy), str(copy)).exit_code == 2
     assert sorted(path.name for path in copy.iterdir()) == before
     assert [path.name for path in tmp_path.iterdir()] == ["v10146"]
+
+
+SPINNING_BAR = """
+[vehicle1]
+mass = "1500 kg"
+speed = "80 km/h"
+members.pieces = [{ stiffness = "10 kN/m" }]
+[vehicle2]
+mass = "1500 kg"
+speed = "80 km/h"
+members.pieces = [{ stiffness = "10 kN/m" }]
+[bar]
+mass = "40 kg"
+inertia = "1 kg m2"
+rail_spacing = "0.1 m"
+lateral_offset = "0.1 m"
+lever_arm = "printed"
+"""

@@ -72,3 +72,16 @@ def test_the_founding_papers_limit_is_on_the_peak() -> None:
     assert found["adult"].value == pytest.approx(peak, rel=1e-4)
     assert (found["adult"].verdict is Verdict.PASSED) == (peak <= 60 * G)
     assert found["child"].reason == "founding paper is for adults"
+
+
+def test_two_vehicles_have_no_restitution_of_a_wall() -> None:
+    data = criteria_of(simulate(load("example-offset"))).as_json()
+    assert "fixed wall" in json.dumps(data)
+    assert not any("restitution" in key and data["vehicle"][key] is not None for key in data["vehicle"])
+
+
+def test_a_response_as_a_record_is_judged_by_what_its_codes_say() -> None:
+    response = simulate(load("example-wall"))
+    direct, recorded = criteria_of(response).as_json()["vehicle"], criteria_of(response.to_record()).as_json()["vehicle"]
+    assert recorded["delta_v_kmh"] == pytest.approx(direct["delta_v_kmh"], rel=1e-2)
+    assert recorded["dynamic_crush_m"] == pytest.approx(direct["dynamic_crush_m"], rel=1e-2)

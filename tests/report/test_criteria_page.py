@@ -30,6 +30,11 @@ def measured() -> CriteriaReport:
     return CriteriaReport(read_ev5(DATA))
 
 
+@pytest.fixture(scope="module")
+def page(measured: CriteriaReport) -> str:
+    return html(measured)
+
+
 def two_cars() -> TestRecord:
     """A driver in each of two cars, both in seat 01: half-sines of 60 and 80 g on their heads, one axis."""
     time = np.arange(-500, 1500) * 1e-4
@@ -76,15 +81,15 @@ def parsed(text: str) -> _Page:
     return page
 
 
-def test_the_page_stands_alone(measured):
-    page = parsed(html(measured))
-    assert all(link.startswith(("data:", "#")) for link in page.links)
-    assert {link[1:] for link in page.links if link.startswith("#")} <= set(page.anchors)
-    assert len(set(page.anchors)) == len(page.anchors)
+def test_the_page_stands_alone(page):
+    found = parsed(page)
+    assert all(link.startswith(("data:", "#")) for link in found.links)
+    assert {link[1:] for link in found.links if link.startswith("#")} <= set(found.anchors)
+    assert len(set(found.anchors)) == len(found.anchors)
 
 
-def test_the_page_has_pulse_velocity_crush_and_the_occupants(measured):
-    anchors = parsed(html(measured)).anchors
+def test_the_page_has_pulse_velocity_crush_and_the_occupants(page):
+    anchors = parsed(page).anchors
     for name in ("vehicle-1-pulse", "vehicle-1-velocity", "vehicle-1-crush"):
         assert name in anchors
     for seat in ("01", "02"):
@@ -92,8 +97,8 @@ def test_the_page_has_pulse_velocity_crush_and_the_occupants(measured):
             assert f"occupant-{seat}-{part}" in anchors
 
 
-def test_the_page_says_the_numbers_that_the_json_has(measured):
-    text = re.sub(r"<[^>]+>", " ", re.sub(r'src="data:[^"]+"', "", html(measured)))
+def test_the_page_says_the_numbers_that_the_json_has(measured, page):
+    text = re.sub(r"<[^>]+>", " ", re.sub(r'src="data:[^"]+"', "", page))
     data = measured.as_json()
     for occupant in data["occupants"]:
         assert f" {occupant['hic15']:.1f} " in text

@@ -25,7 +25,7 @@ def test_values_and_stamps_cannot_be_written_and_are_not_the_callers_own():
     with pytest.raises(ValueError, match="read-only"):
         history.time[0] = 5.0
     with pytest.raises(FrozenInstanceError):
-        history.unit = "N"
+        history.unit = "N"  # type: ignore[misc]
 
 
 @given(st.integers(-5000, 5000), st.sampled_from([1e-4, 5e-5, 8e-5, 1e-3, 1 / 30_000, 1e-6]))

@@ -133,7 +133,7 @@ def test_more_rows_columns_or_bytes_than_a_test_has_are_refused(tmp_path, monkey
     with pytest.raises(InvalidInput, match=r"got 3 rows; need 1 \.\. 2"):
         read_parquet(path)
     monkeypatch.undo()
-    monkeypatch.setattr(parquet.tables, "MAX_COLUMNS", 1)
+    monkeypatch.setattr("ridedown.signals.tables.MAX_COLUMNS", 1)
     with pytest.raises(InvalidInput, match="got 2 columns; need at most 1"):
         read_parquet(path)
 

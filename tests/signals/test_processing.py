@@ -39,7 +39,7 @@ def uneven(draw: st.DrawFn, unit: str = "m/s2") -> TimeHistory:
 
 def height(history: TimeHistory, time: float) -> float:
     """The line through the values at a time; at a jump the value after. One value at a time, in plain Python."""
-    times, values = history.time.tolist(), history.values.tolist()
+    times, values = [float(t) for t in history.time], [float(v) for v in history.values]
     i = max(i for i, known in enumerate(times) if known <= time)
     if i == len(times) - 1:
         return values[i]

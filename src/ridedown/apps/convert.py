@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ridedown.apps.measured import format_of, is_scenario, output
+from ridedown.apps.measured import checked, format_of, is_scenario, output
 from ridedown.errors import InvalidInput
 from ridedown.signals import parquet, read, write
 
@@ -41,7 +41,7 @@ def convert(source: str, target: str, simulate: Simulate) -> Converted:
     """
     path = output(target)
     record = _record(source, simulate)
-    _check_apart(Path(source), path)
+    _check_apart(Path(source), path)  # a name of the catalogue is no path that exists
     left_out = write(record, path)
     total = len(record.channels)
     without = sum(not info.readable for info in record.channels.values())
@@ -53,7 +53,7 @@ def convert(source: str, target: str, simulate: Simulate) -> Converted:
 
 def _record(source: str, simulate: Simulate) -> TestRecord:
     if not is_scenario(source):
-        return read(source)
+        return read(checked(source))
     response = simulate(source)
     if not response.completed:
         raise InvalidInput(

@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.files import SUFFIXES
 from ridedown.signals import delimited, parquet, read
-from ridedown.signals.codes import ChannelCode
 from ridedown.signals.files import shown
-from ridedown.signals.record import ChannelInfo, TestRecord
+from ridedown.signals.record import TestRecord
 
 _TABLES = (".csv", ".tsv")
 _KINDS = "*.csv, *.tsv, *.parquet, *.zip (ISO-MME) or a folder (ISO-MME)"
 
 
 def record_at(text: str) -> TestRecord:
-    """The test at a path; channels of a table that have a channel code get the meaning that the code says.
+    """The test at a path.
 
     Raises: InvalidInput, also for a scenario, which is no test.
     """
     if is_scenario(text):
         raise InvalidInput(f"path: got the scenario {shown(text)}; need a measured test. Use `ridedown run` for a scenario.")
-    record = read(_checked(text))
-    infos = {key: _meant(info) for key, info in record.channels.items()}
-    return replace(record, channels=MappingProxyType(infos))
+    return read(checked(text))
 
 
 def is_scenario(text: str) -> bool:
@@ -50,7 +45,7 @@ def output(text: str) -> Path:
 
     Raises: InvalidInput for a name that tells no format, or a place that holds something else.
     """
-    path = _checked(text)
+    path = checked(text)
     suffix = path.suffix.lower()
     if suffix in _TABLES or suffix in parquet.SUFFIXES:
         _check_same_kind(path, suffix)
@@ -86,7 +81,8 @@ def _check_same_kind(path: Path, suffix: str) -> None:
         raise InvalidInput(f"{other}Choose another, or remove it.") from problem
 
 
-def _checked(text: str) -> Path:
+def checked(text: str) -> Path:
+    """A path as given on the command line. Raises: InvalidInput for an empty one, or one with a null byte."""
     if not text or "\0" in text:
         raise InvalidInput(f"path: got {text!r}; need the path of a file or a folder. Give one.")
     return Path(text)
@@ -97,22 +93,3 @@ def _exists(path: Path) -> bool:
         return path.exists() or path.is_symlink()
     except (OSError, ValueError):  # a name too long for the file system, or with a null byte
         return False
-
-
-def _meant(info: ChannelInfo) -> ChannelInfo:
-    """A channel with what its code says of it, where its file says no more than the code."""
-    if not info.code or info.location or info.quantity:
-        return info
-    try:
-        code = ChannelCode.parse(info.code)
-    except InvalidInput:
-        return info
-    return replace(
-        info,
-        location=code.place,
-        quantity=code.kind,
-        axis=code.axis,
-        vehicle=code.vehicle if code.object != "B" else 0,
-        occupant=code.seat,
-        redundant=code.redundant,
-    )

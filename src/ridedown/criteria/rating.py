@@ -77,8 +77,8 @@ def rating(
     >>> same.value, same.grade
     (1.0, 'excellent')
 
-    Raises: InvalidInput: the package is not installed, a bad signal, too short or too long a shared interval, or a curve that is constant over it, which has
-    no phase and no slope to compare.
+    Raises: InvalidInput: the package is not installed, a bad signal, too short or too long a shared interval, or a curve that
+    is constant over it, which has no phase and no slope to compare.
 
     References: ISO/TS 18571:2014, Road vehicles - Objective rating metric for non-ambiguous signals. The grades' bounds 0.94,
     0.80 and 0.58 are the standard's.

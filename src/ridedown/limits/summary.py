@@ -220,9 +220,10 @@ def _vehicle(have: Evidence, vehicle: str) -> VehicleCriteria:
     crush = have.crush(vehicle)
     stop = restitution = None
     if speed is not None:
-        crush = crush or tried("dynamic_crush", lambda: _crush(pulse, speed))
+        alone = len(have.vehicles) == 1
+        crush = crush or tried("dynamic_crush", lambda: _crush(pulse, speed, alone=alone))
         stop = tried("time_to_zero_velocity", lambda: _stop(pulse, speed))
-        restitution = tried("restitution", lambda: criteria.coefficient_of_restitution(pulse.time, pulse.acceleration, speed))
+        restitution = tried("restitution", lambda: _restitution(pulse, speed, alone=alone))
     return VehicleCriteria(
         vehicle,
         speed,
@@ -240,7 +241,18 @@ def _vehicle(have: Evidence, vehicle: str) -> VehicleCriteria:
     )
 
 
-def _crush(pulse: Pulse, speed: float) -> tuple[float, float]:
+_AGAINST_A_WALL = "needs a fixed wall: what another vehicle moves is not in this vehicle's pulse"
+
+
+def _restitution(pulse: Pulse, speed: float, *, alone: bool) -> float | None:
+    if not alone:
+        raise CannotJudge(_AGAINST_A_WALL)
+    return criteria.coefficient_of_restitution(pulse.time, pulse.acceleration, speed)
+
+
+def _crush(pulse: Pulse, speed: float, *, alone: bool) -> tuple[float, float]:
+    if not alone:
+        raise CannotJudge(_AGAINST_A_WALL)
     found = criteria.dynamic_crush(pulse.time, pulse.acceleration, speed)
     if found is None:
         raise CannotJudge("the vehicle does not come to rest within the record")

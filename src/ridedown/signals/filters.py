@@ -9,8 +9,8 @@ shifted in time: four poles in all. SAE J211 and ISO 6487 place the corner of on
   0.01 s or 100 samples, whichever is more, or as far as a short signal goes.
 
 References:
-    SAE J211-1, Instrumentation for Impact Test, Part 1, Electronic Instrumentation, appendix C (the coefficients).
-    ISO 6487, Road vehicles, Measurement techniques in impact tests, Instrumentation, annex A.
+    SAE J211-1, Instrumentation for Impact Test, Part 1, Electronic Instrumentation.
+    ISO 6487, Road vehicles, Measurement techniques in impact tests, Instrumentation.
 """
 
 from __future__ import annotations

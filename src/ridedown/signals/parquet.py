@@ -21,7 +21,7 @@ from ridedown.errors import InvalidInput
 from ridedown.signals import tables
 from ridedown.signals.files import shown
 from ridedown.signals.history import Floats, TimeHistory
-from ridedown.signals.record import ChannelInfo, TestRecord
+from ridedown.signals.record import ChannelInfo, TestRecord, with_meaning
 
 SUFFIXES = (".parquet", ".pq")
 
@@ -107,15 +107,17 @@ class _Loader:
 
 def _info(column: _Column, number: int, samples: int) -> ChannelInfo:
     code = column.about.get("code") if isinstance(column.about, dict) else None
-    return ChannelInfo(
-        key=column.name,
-        number=number,
-        name=column.name,
-        unit=column.unit or "",
-        samples=samples,
-        status="cannot be read" if column.fault else "",
-        code=code[:40] if isinstance(code, str) else None,
-        readable=not column.fault,
+    return with_meaning(
+        ChannelInfo(
+            key=column.name,
+            number=number,
+            name=column.name,
+            unit=column.unit or "",
+            samples=samples,
+            status="cannot be read" if column.fault else "",
+            code=code[:40] if isinstance(code, str) else None,
+            readable=not column.fault,
+        )
     )
 
 

@@ -7,11 +7,12 @@ a channel does not stop the others: it is said in `problems`, in the channel's `
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from datetime import date
 from types import MappingProxyType
 
 from ridedown.errors import InvalidInput, UnknownName
+from ridedown.signals.codes import ChannelCode
 from ridedown.signals.history import TimeHistory
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
@@ -260,14 +261,35 @@ class TestRecord:
 
 
 def info_of(history: TimeHistory, *, key: str = "", number: int | None = None) -> ChannelInfo:
-    """What there is to say of a signal at hand: its name, unit, sampling and code; its meaning is not guessed."""
-    return ChannelInfo(
-        key=key or history.name,
-        number=number,
-        name=history.name,
-        unit=history.unit,
-        start=history.start,
-        interval=history.interval,
-        samples=len(history),
-        code=history.code,
+    """What there is to say of a signal at hand: its name, unit, sampling and code, and what the code means."""
+    return with_meaning(
+        ChannelInfo(
+            key=key or history.name,
+            number=number,
+            name=history.name,
+            unit=history.unit,
+            start=history.start,
+            interval=history.interval,
+            samples=len(history),
+            code=history.code,
+        )
+    )
+
+
+def with_meaning(info: ChannelInfo) -> ChannelInfo:
+    """A channel of which nothing is known but its code, with what the code says; any other as it is."""
+    if not info.code or info.location or info.quantity:
+        return info
+    try:
+        code = ChannelCode.parse(info.code)
+    except InvalidInput:
+        return info
+    return replace(
+        info,
+        location=code.place,
+        quantity=code.kind,
+        axis=code.axis,
+        vehicle=code.vehicle if code.object != "B" else 0,
+        occupant=code.seat,
+        redundant=code.redundant,
     )
