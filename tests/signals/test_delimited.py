@@ -305,7 +305,7 @@ def test_nothing_is_left_behind_where_writing_fails(tmp_path, monkeypatch):
     record = TestRecord.of([TimeHistory([1.0, 2.0], "g", interval=0.1, name="x")], identifier="x")
     write(record, tmp_path / "t.csv")
     before = (tmp_path / "t.csv").read_bytes()
-    monkeypatch.setattr(tables, "about_of", lambda _: 1 / 0)
+    monkeypatch.setattr(tables, "about_of", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         write(record, tmp_path / "t.csv")
     assert [item.name for item in tmp_path.iterdir()] == ["t.csv"]
@@ -338,3 +338,10 @@ def test_what_a_response_writes_is_read(tmp_path):
 
 def test_a_file_of_the_largest_size_is_within_the_bounds_of_a_tree():
     assert files.MAX_FILE_BYTES == 64 * 2**20
+
+
+@pytest.mark.parametrize("name", ["t.csv", "t.tsv"])
+def test_a_name_may_hold_a_space_that_does_not_break(tmp_path, name):
+    record = TestRecord.of([TimeHistory([1.0, 2.0], "g", interval=0.1, name="Kopf\u00a0X")], identifier="x")
+    write(record, tmp_path / name)
+    assert tuple(read(tmp_path / name).channels) == ("Kopf\u00a0X",)

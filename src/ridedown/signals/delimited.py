@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -130,8 +131,13 @@ def _check_header(headings: Sequence[str], where: str) -> None:
         raise InvalidInput(
             f"{where}: got numbers in the first line; need names with units, such as time [s],pulse [g]. Add them."
         )
-    if not all(heading.isprintable() for heading in headings):
+    if not all(_is_text(heading) for heading in headings):
         raise InvalidInput(f"{where}: got a header that is no text; need names with units, such as time [s],pulse [g].")
+
+
+def _is_text(heading: str) -> bool:
+    """Whether a heading can be printed; spaces of any width may stand in it."""
+    return all(mark.isprintable() or unicodedata.category(mark) == "Zs" for mark in heading)
 
 
 def _is_number(cell: str) -> bool:
@@ -215,7 +221,7 @@ def _record(table: _Table, stem: str) -> TestRecord:
         try:
             said = about.get(name) if isinstance(about, dict) else None
             curves[name] = tables.column(name, table.rows[:, i], times, grid, unit or "", said, table.where)
-            infos[name] = info_of(curves[name], number=i)
+            infos[name] = tables.with_meaning_of(info_of(curves[name], number=i), said)
         except InvalidInput as problem:
             failed[name] = str(problem)
             infos[name] = ChannelInfo(name, number=i, name=name, unit=unit or "", status="cannot be read", readable=False)
@@ -278,7 +284,7 @@ def write_delimited(record: TestRecord, path: str | Path, *, delimiter: str = ",
 
 def _check_names(header: str, delimiter: str, names: list[str]) -> None:
     """Raises: InvalidInput where the header would not read back as these names."""
-    headings = _cells(header, delimiter, "channels") if header.isprintable() or delimiter == "\t" else []
+    headings = _cells(header, delimiter, "channels") if _is_text(header) or delimiter == "\t" else []
     back = tables.distinct([tables.name_and_unit(heading)[0] for heading in headings])[1:]
     if delimiter not in _delimiter(header) or back != names:
         bad = next((name for name, read in zip(names, [*back, *[""] * len(names)], strict=False) if name != read), names[0])
@@ -290,6 +296,6 @@ def _check_names(header: str, delimiter: str, names: list[str]) -> None:
 
 def _comments(record: TestRecord, table: tables.Table) -> list[str]:
     test = {"identifier": record.identifier, "title": record.title, "laboratory": record.laboratory}
-    said = {key: about for key, history in table.histories.items() if (about := tables.about_of(history))}
+    said = {key: about for key, history in table.histories.items() if (about := tables.about_of(history, table.infos[key]))}
     lines = [{"test": {k: v for k, v in test.items() if v}}, {"clock": {"interval": table.interval}}]
     return [json.dumps(line, ensure_ascii=False) for line in (*lines, *([{"channels": said}] if said else []))]

@@ -21,7 +21,7 @@ from ridedown.errors import InvalidInput
 from ridedown.signals import tables
 from ridedown.signals.files import shown
 from ridedown.signals.history import Floats, TimeHistory
-from ridedown.signals.record import ChannelInfo, TestRecord, with_meaning
+from ridedown.signals.record import ChannelInfo, TestRecord
 
 SUFFIXES = (".parquet", ".pq")
 
@@ -107,7 +107,7 @@ class _Loader:
 
 def _info(column: _Column, number: int, samples: int) -> ChannelInfo:
     code = column.about.get("code") if isinstance(column.about, dict) else None
-    return with_meaning(
+    return tables.with_meaning_of(
         ChannelInfo(
             key=column.name,
             number=number,
@@ -117,7 +117,8 @@ def _info(column: _Column, number: int, samples: int) -> ChannelInfo:
             status="cannot be read" if column.fault else "",
             code=code[:40] if isinstance(code, str) else None,
             readable=not column.fault,
-        )
+        ),
+        column.about,
     )
 
 
@@ -204,7 +205,7 @@ def write_parquet(record: TestRecord, path: str | Path) -> tuple[str, ...]:
         raise InvalidInput("channels: got a channel named 'time' or one with a very long name; need others. Rename it.")
     fields, columns = [pa.field("time", pa.float64(), metadata={"unit": "s"})], [pa.array(times)]
     for name, history in histories.items():
-        about = tables.about_of(history)
+        about = tables.about_of(history, table.infos[name])
         metadata = {"unit": history.unit} | ({"ridedown": json.dumps(about)} if about else {})
         fields.append(pa.field(name, pa.float64(), metadata=metadata))
         columns.append(pa.concat_arrays([pa.array(history.values), pa.nulls(len(times) - len(history), pa.float64())]))

@@ -2,7 +2,7 @@
 
 Times that are even to within what rounding in print leaves become a start and an interval; others stay as stamps. A column
 that stops before the others ends early, and is said to; one with a gap, or with what is no number, cannot be read, and the
-others can. What a plain table has no place for, the channel code and the filter state, goes along as a line of JSON.
+others can. What a plain table has no place for, the channel's code, filter state and meaning, goes along as a line of JSON.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import secrets
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ import numpy as np
 from ridedown import units
 from ridedown.errors import InvalidInput
 from ridedown.signals.history import LATEST, SHORTEST, Filter, Floats, TimeHistory, sample_times
-from ridedown.signals.record import TestRecord
+from ridedown.signals.record import ChannelInfo, TestRecord, with_meaning
 
 MAX_COLUMNS = 20_000
 """Columns of one table at most: more than any test has channels."""
@@ -206,9 +206,19 @@ def distinct(names: Sequence[str]) -> list[str]:
 # what a plain table has no place for
 
 
-def about_of(history: TimeHistory) -> dict[str, Any] | None:
-    """The channel code and the filter state as plain data, None where there is neither."""
+_WORDS = ("location", "attachment", "quantity", "axis", "occupant", "status")
+
+
+def about_of(history: TimeHistory, info: ChannelInfo) -> dict[str, Any] | None:
+    """The channel code, the filter state and the meaning as plain data, None where there is none of them."""
     about: dict[str, Any] = {}
+    meaning: dict[str, Any] = {word: getattr(info, word) for word in _WORDS if getattr(info, word)}
+    if info.vehicle is not None:
+        meaning["vehicle"] = info.vehicle
+    if info.redundant:
+        meaning["redundant"] = True
+    if meaning:
+        about["meaning"] = meaning
     if history.code:
         about["code"] = history.code
     stages, state = [], history.filtered
@@ -218,6 +228,21 @@ def about_of(history: TimeHistory) -> dict[str, Any] | None:
     if stages:
         about["filtered"] = stages
     return about or None
+
+
+def with_meaning_of(info: ChannelInfo, about: Any) -> ChannelInfo:
+    """A channel with the meaning that `about_of` wrote, or else that of its code."""
+    meaning = about.get("meaning") if isinstance(about, dict) else None
+    if not isinstance(meaning, dict):
+        return with_meaning(info)
+    words = {word: meaning[word][:60] for word in _WORDS if isinstance(meaning.get(word), str)}
+    vehicle, redundant = meaning.get("vehicle"), meaning.get("redundant")
+    return replace(
+        info,
+        **(words | {"status": info.status or words.get("status", "")}),
+        vehicle=vehicle if type(vehicle) is int and 0 <= vehicle < 100 else None,
+        redundant=redundant is True,
+    )
 
 
 def _about(about: Any) -> tuple[str | None, Filter | None]:
@@ -250,6 +275,7 @@ class Table:
     times: Floats
     interval: float | None
     histories: dict[str, TimeHistory]
+    infos: dict[str, ChannelInfo]
     left_out: tuple[str, ...]
 
 
@@ -258,20 +284,22 @@ def side_by_side(record: TestRecord) -> Table:
 
     Raises: InvalidInput where two channels were taken at different times, or none can be read.
     """
-    read: list[tuple[str, TimeHistory]] = []
+    read: list[tuple[ChannelInfo, TimeHistory]] = []
     left_out: list[str] = []
     for info in record.channels.values():
         try:
-            read.append((info.key, record.history(info)))
+            read.append((info, record.history(info)))
         except InvalidInput as problem:
             left_out.append(f"{info.key}: left out, since it cannot be read: {problem}")
     if not read:
         raise InvalidInput("channels: got none that can be read; need one at least. Look at record.faults().")
     names = Counter(history.name for _, history in read)
-    histories = {
-        history.name if history.name and names[history.name] == 1 else f"{history.name} ({key})".strip(): history
-        for key, history in read
+    columns = {
+        history.name if history.name and names[history.name] == 1 else f"{history.name} ({info.key})".strip(): (info, history)
+        for info, history in read
     }
+    histories = {name: history for name, (_, history) in columns.items()}
+    infos = {name: info for name, (info, _) in columns.items()}
     longest = max(histories.values(), key=len)
     times = longest.time
     for name, history in histories.items():
@@ -280,7 +308,7 @@ def side_by_side(record: TestRecord) -> Table:
                 f"{name[:60]}: got times other than those of {longest.name[:60] or 'the longest channel'!r}; a table has one "
                 "column of them. Use ridedown.signals.aligned first, or write ISO-MME."
             )
-    return Table(times, longest.interval, histories, tuple(left_out))
+    return Table(times, longest.interval, histories, infos, tuple(left_out))
 
 
 @contextmanager
