@@ -301,7 +301,7 @@ def _keep_phase(coordinates, elements, time, step, q, d, f, phases, kept):
     n = kept[0]
     phases[n, 0, 0] = time
     phases[n, 0, 1] = step
-    for j in range(DEGREE + 1):
+    for j in range(phases.shape[1] - 1):  # not a constant, lest the compiler writes it out order by order
         for i in range(coordinates):
             phases[n, j + 1, i] = q[at(i, j)]
         for e in range(elements):
