@@ -2,9 +2,22 @@
 
 from ridedown.network.builder import Builder
 from ridedown.network.channels import Channel, Family, channels
-from ridedown.network.model import Curve, KelvinVoigt, Law, Linear, Network, Number, Threshold
+from ridedown.network.model import (
+    Action,
+    Curve,
+    KelvinVoigt,
+    Law,
+    Linear,
+    Network,
+    Number,
+    Pulse,
+    Restraint,
+    Threshold,
+    Timer,
+)
 
 __all__ = [
+    "Action",
     "Builder",
     "Channel",
     "Curve",
@@ -14,6 +27,9 @@ __all__ = [
     "Linear",
     "Network",
     "Number",
+    "Pulse",
+    "Restraint",
     "Threshold",
+    "Timer",
     "channels",
 ]

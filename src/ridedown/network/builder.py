@@ -14,10 +14,12 @@ from ridedown.network.model import (
     Linear,
     Network,
     Number,
+    Pulse,
+    Restraint,
     Threshold,
 )
 
-AnyLaw = Linear | KelvinVoigt | Threshold | Curve
+AnyLaw = Linear | KelvinVoigt | Threshold | Curve | Restraint
 
 _LAW_OF = {Linear: Law.LINEAR, KelvinVoigt: Law.KELVIN_VOIGT, Threshold: Law.THRESHOLD}
 
@@ -46,10 +48,17 @@ class Builder:
         self._reactions: list[dict[int, float]] = []
         self._lever: list[int] = []
         self._arm: list[Number] = []
+        self._driven = -1
+        self._pulse = Pulse(np.zeros(1), np.zeros((1, 1)))
 
     def body(self, name: str, *, mass: Number, speed: Number, parent: int | None = None) -> int:
         """Add a mass [kg] with its absolute initial speed [m/s]; give `parent` to count its displacement from that body."""
         return self._coordinate(name, mass, speed, -1 if parent is None else parent, rotation=False)
+
+    def driven(self, name: str, pulse: Pulse, *, speed: Number) -> int:
+        """Add the one body that follows a prescribed acceleration, with its initial speed [m/s]. Nothing moves it."""
+        self._driven, self._pulse = len(self._names), pulse
+        return self._coordinate(name, 0.0, speed, -1, rotation=False)
 
     def bar(self, name: str, *, inertia: Number, conjugate: bool) -> int:
         """Add the rotation of a bar, at rest, with its moment of inertia [kg m2] and lever arm law."""
@@ -81,19 +90,23 @@ class Builder:
                 link = self._parent[link]
         self._terms.append({body: sign for body, sign in own.items() if sign != 0.0})
         moved = set(deflection if acts_on is None else acts_on)
+        moved.discard(self._driven)
         self._reactions.append({body: sign for body, sign in deflection.items() if body in moved})
         self._lever.append(-1 if lever is None else lever[0])
         self._arm.append(0.0 if lever is None else lever[1])
 
     def build(self, *, duration: Number) -> Network:
         """The network of all that was added."""
-        numbers = [*self._inertia, *self._speed, *self._arm, duration]
+        pulse = self._pulse
+        numbers = [*self._inertia, *self._speed, *self._arm, pulse.amplitude, pulse.length, duration]
         for law in self._laws:
             numbers += _numbers_of(law)
         size = max((x.size for x in numbers if isinstance(x, np.ndarray) and x.ndim), default=1)
 
         rates = [s if p < 0 else s - self._speed[p] for s, p in zip(self._speed, self._parent, strict=True)]
-        curves = [law if isinstance(law, Curve) else None for law in self._laws]
+        curves = [law if isinstance(law, Curve | Restraint) else None for law in self._laws]
+        restraints = [law if isinstance(law, Restraint) else _PLAIN for law in self._laws]
+        timers = [(e, timer) for e, law in enumerate(restraints) for timer in law.timers]
         term_start, term_coordinate, term_sign = _csr(self._terms)
         reaction_start, reaction_coordinate, reaction_sign = _csr(self._reactions)
         return Network(
@@ -111,6 +124,13 @@ class Builder:
             reaction_coordinate=reaction_coordinate,
             reaction_sign=reaction_sign,
             piece_start=np.cumsum([0, *(len(c.knots) if c else 0 for c in curves)], dtype=np.int64),
+            driven=self._driven,
+            pulse_start=pulse.start,
+            pulse_series=pulse.series,
+            free=np.array([law.free for law in restraints], dtype=np.bool_),
+            empty=np.array([law.empty for law in restraints], dtype=np.bool_),
+            timer_element=np.array([e for e, _ in timers], dtype=np.int64),
+            timer_action=np.array([timer.action for _, timer in timers], dtype=np.int64),
             inertia=_columns(self._inertia, size),
             rate=_columns(rates, size),
             arm=_columns(self._arm, size),
@@ -120,6 +140,13 @@ class Builder:
             knot=_columns([x for c in curves if c for x in c.knots], size),
             force=_columns([x for c in curves if c for x in c.forces], size),
             slope=_columns([x for c in curves if c for x in c.slopes], size),
+            limit=np.stack([_columns([law.limits[n] for law in restraints], size) for n in range(2)]),
+            payout=np.stack([_columns([law.payouts[n] for law in restraints], size) for n in range(2)]),
+            stall=np.stack([_columns([law.stalls[n] for law in restraints], size) for n in range(2)]),
+            timer_time=_columns([timer.time for _, timer in timers], size),
+            timer_value=_columns([timer.value for _, timer in timers], size),
+            pulse_amplitude=_columns([pulse.amplitude], size)[0],
+            pulse_length=_columns([pulse.length], size)[0],
             duration=_columns([duration], size)[0],
         )
 
@@ -132,14 +159,20 @@ class Builder:
         return len(self._names) - 1
 
 
+_PLAIN = Restraint((), (), ())
+"""Stands for a law that has neither reel nor fill."""
+
+
 def _kind(law: AnyLaw) -> Law:
+    if isinstance(law, Restraint):
+        return Law.RESTRAINT
     if isinstance(law, Curve):
         return Law.ELASTIC if law.unloading is None else Law.PLASTIC
     return _LAW_OF[type(law)]
 
 
 def _stiffness(law: AnyLaw) -> Number:
-    if isinstance(law, Curve):
+    if isinstance(law, Curve | Restraint):
         return 0.0 if law.unloading is None else law.unloading
     return law.stiffness
 
@@ -147,6 +180,10 @@ def _stiffness(law: AnyLaw) -> Number:
 def _numbers_of(law: AnyLaw) -> list[Number]:
     if isinstance(law, Curve):
         return [*law.knots, *law.forces, *law.slopes, _stiffness(law)]
+    if isinstance(law, Restraint):
+        curve = [*law.knots, *law.forces, *law.slopes, _stiffness(law), law.slack, law.damping]
+        timed = [number for timer in law.timers for number in (timer.time, timer.value)]
+        return [*curve, *law.limits, *law.payouts, *law.stalls, *timed]
     return [law.stiffness, law.damping, law.slack]
 
 

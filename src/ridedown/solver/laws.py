@@ -27,7 +27,7 @@ from ridedown.compiled import inlined, part
 from ridedown.network import Law
 from ridedown.solver.layout import D0, F0, GD0, GV0, LATCH, PIECE, SET, V0, A, B, C, K, guard_at, line_at, memory_at, row
 
-LINEAR, KELVIN_VOIGT, THRESHOLD, ELASTIC, PLASTIC = (int(law) for law in Law)
+LINEAR, KELVIN_VOIGT, THRESHOLD, ELASTIC, PLASTIC, RESTRAINT = (int(law) for law in Law)
 
 OPEN = 0
 TAUT, CLIPPED = 1, 2
