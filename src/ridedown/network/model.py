@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -234,4 +235,5 @@ class Network:
         def wide(column: Floats) -> Floats:
             return np.repeat(column, size, axis=-1)
 
-        return replace(self, **{name: wide(getattr(self, name)) for name in NUMBERS})
+        numbers: dict[str, Any] = {name: wide(getattr(self, name)) for name in NUMBERS}
+        return replace(self, **numbers)

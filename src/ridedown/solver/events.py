@@ -1,9 +1,9 @@
 """The first event of a step: which guard turns negative, and when.
 
-Each guard is a polynomial on the step, g(t) = a (d - d0) + b (d' - v0). A cheap bound clears most: with every coefficient that
-pulls down taken in full, the guard still stays positive. The rest are read closely. Most of those fall throughout the step and
-end below zero: they have one root, and Newton's method finds all of them at once, side by side. What is left goes to
-Bernstein coefficients.
+Each guard is a polynomial on the step, g(t) = a (d - d0) + b (d' - v0); a restraint's has more to it (see `layout`). A cheap
+bound clears most: with every coefficient that pulls down taken in full, the guard still stays positive. The rest are read
+closely. Most of those fall throughout the step and end below zero: they have one root, and Newton's method finds all of them
+at once, side by side. What is left goes to Bernstein coefficients.
 """
 
 from __future__ import annotations
@@ -12,17 +12,18 @@ import numpy as np
 
 from ridedown.compiled import inlined, part
 from ridedown.solver import laws, polynomial, together
-from ridedown.solver.layout import DEGREE, GD0, GV0, STRIDE, A, B, at, guard_at, row
+from ridedown.solver.layout import DEGREE, DRIFT, G0, GA, GD0, GV0, STRIDE, A, B, at, guard_at, row
 from ridedown.solver.vector import ALL_LANES, WIDTH, first_lane, lanes_of, load, spread, store, where
 
 GAP_ROUND_OFF = 1e-14  # m
 RATE_ROUND_OFF = 1e-13  # m/s
+ACCELERATION_ROUND_OFF = 1e-11  # m/s2
 NO_EVENT = -1
 _SAME = 1e-13  # of the step: at one instant, within round-off
 _IDLE_ALL = 6  # steps of no length in which every negative guard may change its mode at once; then one at a time
 _ORDER = np.arange(DEGREE + 3.0)
 NO, YES = 0.0, 1.0
-"""Whether a step ends its crash, as a number of the lane."""
+"""Whether a step goes on to its pause, as a number of the lane."""
 _FIRST, _LATEST, _SOONEST = ((DEGREE + n) * STRIDE for n in (1, 2, 3))
 """Rows below the powers of the step, all fractions of it: the earliest event found, what it cannot come after, and, one row
 for each guard of the element at hand, what its own cannot come before."""
@@ -31,7 +32,8 @@ POWER_ROWS = DEGREE + 5
 
 @part
 def find(
-    lanes, law, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner, poly, room
+    lanes, law, pair_element, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner, poly,
+    room,
 ):  # fmt: skip
     """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
@@ -42,24 +44,31 @@ def find(
     for block in range(0, lanes, WIDTH):
         store(power, _FIRST + block, 1.0)
         store(power, _LATEST + block, 1.0)
-    for e in range(law.size):
+    for pair in range(pair_element.size):
+        e = pair_element[pair]
         if law[e] == laws.LINEAR:  # no guards
             continue
         for block in range(0, lanes, WIDTH):
             if law[e] == laws.ELASTIC:
                 suspects = _suspects_of_curve(block, e, guard, d, power)
+            elif law[e] == laws.RESTRAINT:
+                suspects = _suspects_of_restraint(block, 2 * pair, e, guard, d, power, _SOONEST)
+                suspects |= _suspects_of_restraint(block, 2 * pair + 1, e, guard, d, power, _SOONEST + STRIDE) << WIDTH
             else:
                 suspects = _suspects(block, e, guard, d, power)
             while suspects != 0:
                 bit = first_lane(suspects)
                 suspects &= suspects - 1
-                l, g = block + bit % WIDTH, 2 * e + bit // WIDTH
+                l, g = block + bit % WIDTH, 2 * pair + bit // WIDTH
                 if crash[l] < 0 or power[_SOONEST + (bit // WIDTH) * STRIDE + l] > power[_LATEST + l]:
                     continue
                 if count == STRIDE:
                     _note_all(count, falling, owner, power, event)
                     count = 0
-                kind = _examine(g, l, guard, d, power, pending, pending_count, falling, count, poly)
+                if law[e] == laws.RESTRAINT:
+                    kind = _examine_restraint(g, e, l, guard, d, power, pending, pending_count, falling, count, poly)
+                else:
+                    kind = _examine(g, l, guard, d, power, pending, pending_count, falling, count, poly)
                 if kind == _FALLS:
                     owner[2 * count] = l
                     owner[2 * count + 1] = g
@@ -86,7 +95,7 @@ def find(
     for x in range(count):  # others at the same instant change with it, to spare a step of no length
         l, g = owner[2 * x], owner[2 * x + 1]
         same = abs(falling[row(together.ROOT) + x] - power[_FIRST + l]) <= _SAME
-        if same and step[l] > 0.0 and pending_count[l] > 0 and pending[l] // 2 != g // 2:
+        if same and step[l] > 0.0 and pending_count[l] > 0 and pair_element[pending[l] // 2] != pair_element[g // 2]:
             pending[row(pending_count[l]) + l] = g
             pending_count[l] += 1
 
@@ -115,8 +124,8 @@ def _suspects(block, e, guard, d, power):
         rate = (j + 1.0) * then * scale
         dip += min(a * now + b * rate, 0.0)
         dip2 += min(u * now + w * rate, 0.0)
-    first = _unclear(a, b, start, slope, dip, power, _SOONEST + block)
-    return first | (_unclear(u, w, start2, slope2, dip2, power, _SOONEST + STRIDE + block) << WIDTH)
+    first = _unclear(a, b, start, slope, dip, power, _SOONEST + block, 0.0)
+    return first | (_unclear(u, w, start2, slope2, dip2, power, _SOONEST + STRIDE + block, 0.0) << WIDTH)
 
 
 @inlined
@@ -133,13 +142,60 @@ def _suspects_of_curve(block, e, guard, d, power):
         up += max(c, 0.0)
     start, start2 = a * (now - load(guard, guard_at(g, GD0) + block)), u * (now - load(guard, guard_at(h, GD0) + block))
     none = spread(0.0)
-    first = _unclear(a, none, start, a * slope, min(a * down, a * up), power, _SOONEST + block)
-    return first | (_unclear(u, none, start2, u * slope, min(u * down, u * up), power, _SOONEST + STRIDE + block) << WIDTH)
+    first = _unclear(a, none, start, a * slope, min(a * down, a * up), power, _SOONEST + block, 0.0)
+    return first | (_unclear(u, none, start2, u * slope, min(u * down, u * up), power, _SOONEST + STRIDE + block, 0.0) << WIDTH)
+
+
+@part
+def _suspects_of_restraint(block, g, e, guard, d, power, soonest):
+    """The same of one guard of a restraint."""
+    a, b, ga = load(guard, guard_at(g, A) + block), load(guard, guard_at(g, B) + block), load(guard, guard_at(g, GA) + block)
+    o, p = at(e, 0) + block, row(1) + block
+    d1, d2, d3 = load(d, o + STRIDE), load(d, o + 2 * STRIDE), load(d, o + 3 * STRIDE)
+    start = load(guard, guard_at(g, G0) + block) + a * (load(d, o) - load(guard, guard_at(g, GD0) + block))
+    start += b * (d1 - load(guard, guard_at(g, GV0) + block)) + 2.0 * ga * d2
+    slope = (a * (d1 + load(guard, guard_at(g, DRIFT) + block)) + 2.0 * b * d2 + 6.0 * ga * d3) * load(power, p)
+    dip = spread(0.0)
+    for j in range(2, DEGREE + 1):
+        d1, d2 = d2, d3
+        d3 = load(d, o + (j + 2) * STRIDE) if j < DEGREE - 1 else spread(0.0)
+        c = a * d1 + (j + 1.0) * (b * d2 + (j + 2.0) * ga * d3)
+        dip += min(c * load(power, p + (j - 1) * STRIDE), 0.0)
+    return _unclear(a, b, start, slope, dip, power, soonest + block, ACCELERATION_ROUND_OFF * abs(ga))
+
+
+@part
+def _examine_restraint(g, e, l, guard, d, power, pending, pending_count, falling, column, p):
+    """Read one guard of a restraint closely, as `_examine` does."""
+    a, b, ga = guard[guard_at(g, A) + l], guard[guard_at(g, B) + l], guard[guard_at(g, GA) + l]
+    round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b) + ACCELERATION_ROUND_OFF * abs(ga)
+    o = at(e, 0) + l
+    for j in range(DEGREE + 1):
+        here = d[o + j * STRIDE]
+        rate = (j + 1.0) * d[o + (j + 1) * STRIDE] if j < DEGREE else 0.0
+        bend = (j + 1.0) * (j + 2.0) * d[o + (j + 2) * STRIDE] if j < DEGREE - 1 else 0.0
+        if j == 0:
+            here -= guard[guard_at(g, GD0) + l]
+            rate -= guard[guard_at(g, GV0) + l]
+        elif j == 1:
+            here += guard[guard_at(g, DRIFT) + l]
+        p[j] = (a * here + b * rate + ga * bend) * power[row(j) + l]
+    p[0] += guard[guard_at(g, G0) + l]
+    if p[0] < -round_off:
+        return _postpone(g, l, power, pending, pending_count)
+    first = 0 if p[0] > round_off else 1
+    while first < DEGREE and abs(p[first]) <= round_off:
+        first += 1
+    if abs(p[first]) <= round_off:
+        return _CLEAR
+    if p[first] < 0.0:
+        return _postpone(g, l, power, pending, pending_count)
+    return _examine_shape(p, first, l, column, falling, power)
 
 
 @inlined
-def _unclear(a, b, start, slope, dip, power, soonest):
-    round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
+def _unclear(a, b, start, slope, dip, power, soonest, more):
+    round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b) + more
     fall = min(slope, 0.0) + dip
     stays = (start > round_off) & (start + fall > 0.0)
     store(power, soonest, where(start > round_off, start / -fall, 0.0))

@@ -15,17 +15,20 @@ DEGREE = 16
 
 ORDERS = DEGREE + 1
 
-K, C, D0, V0, F0 = range(5)
-"""Rows of a line of force: f = f0 + k (d - d0) + c (v - v0)."""
-LINE_ROWS = 5
+K, C, D0, V0, F0, PULL, FILL, FILLING = range(8)
+"""Rows of a line of force: f = f0 + k (d - d0) + c (v - v0); a restraint's d0 falls at the rate PULL, and its force is FILL of
+that, which changes at the rate FILLING."""
+LINE_ROWS = 8
 
-A, B, GD0, GV0 = range(4)
-"""Rows of a guard: a (d - d0) + b (v - v0)."""
-GUARD_ROWS = 4
+A, B, GD0, GV0, G0, GA, DRIFT = range(7)
+"""Rows of a guard: a (d - d0) + b (v - v0); a restraint's has g0 and ga d'' added, and its d0 falls at the rate DRIFT."""
+GUARD_ROWS = 7
 
-LATCH, SET, PIECE = range(3)
-"""Rows of a law's memory. Threshold: v*. Plastic: largest deflection so far, permanent set, piece unloaded from (0: never)."""
-MEMORY_ROWS = 3
+LATCH, SET, PIECE, REEL, PAYOUT, STAGE, BRANCH, RATE, STALLED = 0, 1, 2, 3, 4, 5, 6, 7, 9
+"""Rows of a law's memory. Threshold: v*. Curves: largest deflection so far, permanent set, piece unloaded from (0: never).
+Restraints: belt that the reel has taken in, and that its limiter has let out; the limiter's stage, 2 for its stop; the mode
+that the belt is in but for its reel; and, for each of two pretensioners, the rate of its pull and whether it is stalled."""
+MEMORY_ROWS = 11
 
 BEST, WHEN = range(2)
 """Rows of a tracked extreme: the best so far, and its time."""
@@ -52,7 +55,7 @@ def line_at(e, part):
 
 @inlined
 def guard_at(g, part):
-    """Start of a row of a guard; element e has guards 2 e and 2 e + 1."""
+    """Start of a row of a guard; pair p has guards 2 p and 2 p + 1. Element e has pair e; a restraint has another."""
     return (g * GUARD_ROWS + part) * STRIDE
 
 

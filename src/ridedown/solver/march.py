@@ -20,8 +20,29 @@ from pathlib import Path
 import numpy as np
 
 from ridedown.compiled import folder_of, inlined, kernel, part
-from ridedown.solver import events, extremes, laws, series
-from ridedown.solver.layout import BEST, DEGREE, MEMORY_ROWS, SET, STRIDE, WHEN, at, extreme_at, memory_at, row
+from ridedown.solver import events, extremes, laws, restraint, series
+from ridedown.solver.layout import (
+    BEST,
+    D0,
+    DEGREE,
+    DRIFT,
+    FILL,
+    FILLING,
+    GD0,
+    MEMORY_ROWS,
+    PAYOUT,
+    PULL,
+    REEL,
+    SET,
+    STRIDE,
+    WHEN,
+    at,
+    extreme_at,
+    guard_at,
+    line_at,
+    memory_at,
+    row,
+)
 from ridedown.solver.vector import (
     ALL_LANES,
     WIDTH,
@@ -49,6 +70,8 @@ class Stop(IntEnum):
 
 
 COMPLETED, TOO_MANY_STEPS, BAR_TURNED, NOT_FINITE, CHATTER, RECORD_FULL = (int(stop) for stop in Stop)
+TIMER = -1
+"""What the log has for the mode before, where a timer went off; after it, the timer's number."""
 NO_CRASH = -1
 """Crash number of a lane that has none."""
 NO, YES = events.NO, events.YES
@@ -79,7 +102,11 @@ def march(s, x, w, out, record, tolerance, with_work):
     term_start, term_coordinate, term_sign = s.term_start, s.term_coordinate, s.term_sign
     pull_start, pull_element, pull_sign = s.pull_start, s.pull_element, s.pull_sign
     piece_start, coefficients, pieces, duration = s.piece_start, x.coefficients, x.pieces, x.duration
+    pair_element, second_pair, empty = s.pair_element, s.second_pair, s.empty
+    timer_element, timer_action, timer_value = s.timer_element, s.timer_action, x.timer_value
+    driven, pulse_start, pulse_series, pulse_length = s.driven, s.pulse_start, s.pulse_series, x.pulse_length
     crash, until, time, step, power = w.crash, w.until, w.time, w.step, w.power
+    pause, timer, pulse, origin, piece = w.pause, w.timer, w.pulse, w.origin, w.piece
     last, steps, idle = w.last, w.steps, w.idle
     q, acc, d, f = w.q, w.acc, w.d, w.f
     tan, sec2, turn, moment = w.tan, w.sec2, w.turn, w.moment
@@ -90,6 +117,7 @@ def march(s, x, w, out, record, tolerance, with_work):
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
 
+    timed = driven >= 0 or timer_element.size > 0
     places = min(STRIDE, duration.size)
     lanes = (places + WIDTH - 1) // WIDTH * WIDTH  # in whole vectors
     taken = 0
@@ -102,12 +130,12 @@ def march(s, x, w, out, record, tolerance, with_work):
         for l in range(places if taken < duration.size else 0):
             if crash[l] == NO_CRASH and taken < duration.size:
                 _load(
-                    l, taken, x.inertia, x.rate, x.arm, duration, crash, until, time, last, steps, idle, q, inverse_inertia,
-                    scale, arm,
+                    l, taken, x.inertia, x.rate, x.arm, duration, x.timer_time, timed, crash, until, pause, time, last, steps,
+                    idle, q, inverse_inertia, scale, arm, timer, piece,
                 )  # fmt: skip
                 _open(
-                    l, taken, law, piece_start, coefficients, pieces, line, guard, memory, mode, work,
-                    tracked_sense.size, extreme,
+                    l, taken, law, piece_start, coefficients, pieces, second_pair, s.free, empty, line, guard, memory, mode,
+                    work, tracked_sense.size, extreme,
                 )  # fmt: skip
                 taken += 1
                 active += 1
@@ -120,24 +148,49 @@ def march(s, x, w, out, record, tolerance, with_work):
             changed = -1
             for n in range(pending_count[l]):
                 g = pending[row(n) + l]
-                if g // 2 != changed:
-                    changed = g // 2
-                    _change(g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log)
+                e = pair_element[g // 2]
+                if e != changed:
+                    changed = e
+                    _change(
+                        e, g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory,
+                        mode, log,
+                    )  # fmt: skip
             pending_count[l] = 0
+        for l in range(lanes if timed else 0):  # what is due at this time
+            if crash[l] >= 0 and time[l] >= pause[l]:
+                number = crash[l]
+                for t in range(timer_element.size):
+                    if timer[row(t) + l] <= time[l]:
+                        timer[row(t) + l] = np.inf
+                        _fire(
+                            t, l, number, time[l], timer_element[t], timer_action[t], timer_value[t, number], d, piece_start,
+                            coefficients, pieces, second_pair, line, guard, memory, mode, log,
+                        )  # fmt: skip
+                if driven >= 0:
+                    _next_piece(
+                        l, time[l], pulse_start, pulse_series, x.pulse_amplitude[number], pulse_length[number], pulse, origin,
+                        piece,
+                    )  # fmt: skip
+                pause[l] = _next_pause(l, until[l], pulse_start, pulse_length[number], driven, piece, timer, timer_element.size)
+        if driven >= 0:
+            series.drive(lanes, driven, pulse_series.shape[1], pulse, origin, time, acc)
 
         for j in range(DEGREE):
             if j > 0:
                 series.tangents(lanes, j, bars, q, tan, sec2, turn)
-            series.forces(lanes, j, law, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
+            series.forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
             if j < DEGREE - 1:
                 series.accelerations(
-                    lanes, j, s.conjugate, parent, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
+                    lanes, j, s.conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
                     sec2, moment, f, acc, q,
                 )  # fmt: skip
 
-        _choose_steps(lanes, parent.size, bars.size, tolerance, until, time, scale, idle, w.trial, q, tan, step, last, power)
+        _choose_steps(
+            lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, w.trial, q, tan, step, last, power
+        )
         events.find(
-            lanes, law, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner, poly, room
+            lanes, law, pair_element, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner,
+            poly, room,
         )  # fmt: skip
         _powers(lanes, step, power)
         extremes.track_all(
@@ -148,16 +201,22 @@ def march(s, x, w, out, record, tolerance, with_work):
             _add_work(lanes, law.size, step, d, f, work)
         if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:
             _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, record.kept)
-        _advance(lanes, parent.size, step, time, steps, idle, q, scale)
+        _advance(lanes, parent.size, step, last, pause, time, steps, idle, q, scale)
+        for e in range(law.size):
+            if law[e] == laws.RESTRAINT:
+                _move_on(lanes, e, second_pair[e], step, line, guard, memory)
 
         full = phases.shape[0] > 0 and (record.kept[0] >= phases.shape[0] or int(log[0, 0]) + 1 >= log.shape[0])
         for block in range(0, lanes, WIDTH):
-            stopped = ALL_LANES if full else _stopped(block, until, last, steps, idle, scale, bars, q)
+            stopped = ALL_LANES if full else _stopped(block, until, pause, last, steps, idle, scale, bars, q)
             while stopped != 0:
                 l = block + first_lane(stopped)
                 stopped &= stopped - 1
                 if crash[l] >= 0:
-                    stop = _stop_of(l, last, steps, idle, scale, bars, q)
+                    stop = _stop_of(l, until, pause, last, steps, idle, scale, bars, q)
+                    for e in range(law.size):
+                        if law[e] == laws.RESTRAINT:
+                            _settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH
                     until[l] = 0.0
@@ -167,11 +226,16 @@ def march(s, x, w, out, record, tolerance, with_work):
 
 @part
 def _load(
-    l, number, inertia, rate, arms, duration, crash, until, time, last, steps, idle, q, inverse_inertia, scale, arm
+    l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
+    inverse_inertia, scale, arm, timer, piece,
 ):  # fmt: skip
     """Put a crash into lane l, at its start."""
     crash[l] = number
     until[l] = duration[number]
+    pause[l] = 0.0 if timed else until[l]
+    piece[l] = -1
+    for t in range(timer_time.shape[0]):
+        timer[row(t) + l] = timer_time[t, number]
     time[l] = 0.0
     last[l] = NO
     steps[l] = 0.0
@@ -188,27 +252,58 @@ def _load(
 
 
 @part
-def _open(l, number, law, piece_start, coefficients, pieces, line, guard, memory, mode, work, tracked, extreme):
+def _open(
+    l, number, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work, tracked,
+    extreme,
+):  # fmt: skip
     """Every law of lane l open, as before the crash, and nothing tracked yet."""
     for e in range(law.size):
         for slot in range(MEMORY_ROWS):
             memory[memory_at(e, slot) + l] = 0.0
         work[row(e) + l] = 0.0
-        laws.enter(e, l, number, laws.OPEN, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+        if law[e] != laws.RESTRAINT:
+            laws.enter(e, l, number, laws.OPEN, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+            continue
+        line[line_at(e, FILL) + l] = 0.0 if empty[e] != 0 else 1.0
+        line[line_at(e, FILLING) + l] = 0.0
+        start = piece_start[e + 1] - piece_start[e] + restraint.FREE if free[e] != 0 else restraint.OPEN
+        restraint.enter(e, l, number, start, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
     for k in range(tracked):
         extreme[extreme_at(k, BEST) + l] = -np.inf
         extreme[extreme_at(k, WHEN) + l] = 0.0
 
 
 @inlined
-def _change(g, l, number, time, d, law, piece_start, coefficients, pieces, line, guard, memory, mode, log):
-    """Guard g of lane l has turned negative: into the mode on its other side, and note the event down."""
-    e = g // 2
+def _change(
+    e, g, l, number, time, d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
+):  # fmt: skip
+    """Guard g, of element e, has turned negative in lane l: into the mode on its other side, and note the event down."""
     before = mode[row(e) + l]
-    after = laws.next_mode(
-        e, l, number, g % 2 == 1, d[at(e, 0) + l], d[at(e, 1) + l], law, piece_start, coefficients, pieces, memory, mode
-    )
-    laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+    here, rate = d[at(e, 0) + l], d[at(e, 1) + l]
+    if law[e] == laws.RESTRAINT:
+        which = g - 2 * e if g // 2 == e else g - 2 * second_pair[e] + 2
+        after = restraint.next_mode(e, l, number, which, here, rate, piece_start, coefficients, pieces, memory, mode)
+        restraint.enter(e, l, number, after, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
+    else:
+        after = laws.next_mode(e, l, number, g % 2 == 1, here, rate, law, piece_start, coefficients, pieces, memory, mode)
+        laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+    _note(time, e, before, after, log)
+
+
+@part
+def _fire(
+    t, l, number, time, e, action, value, d, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
+):  # fmt: skip
+    """Timer t, of restraint e, goes off in lane l."""
+    restraint.fire(
+        e, l, number, action, value, d[at(e, 0) + l], d[at(e, 1) + l], piece_start, coefficients, pieces, second_pair[e], line,
+        guard, memory, mode,
+    )  # fmt: skip
+    _note(time, e, TIMER, t, log)
+
+
+@part
+def _note(time, e, before, after, log):
     n = int(log[0, 0])
     if n + 1 < log.shape[0]:  # the first row counts the others
         log[0, 0] += 1.0
@@ -219,8 +314,45 @@ def _change(g, l, number, time, d, law, piece_start, coefficients, pieces, line,
 
 
 @part
-def _choose_steps(lanes, coordinates, bars, tolerance, until, time, scale, idle, trial, q, tan, step, last, power):
-    """The length of each lane's step, from its last acceleration coefficients, and no further than the end.
+def _next_piece(l, time, start, shape, amplitude, length, pulse, origin, piece):
+    """Put the pulse's piece at this time into lane l, in powers of the time since the piece began."""
+    n = max(piece[l], 0)
+    while n + 1 < start.size and start[n + 1] * length <= time:
+        n += 1
+    if n == piece[l]:
+        return
+    piece[l] = n
+    origin[l] = start[n] * length
+    factor = amplitude
+    for j in range(shape.shape[1]):
+        pulse[row(j) + l] = factor * shape[n, j]
+        factor /= length
+
+
+@part
+def _next_pause(l, until, start, length, driven, piece, timer, timers):
+    """The next time at which lane l has to stop."""
+    due = until
+    if driven >= 0 and piece[l] + 1 < start.size:
+        due = min(due, start[piece[l] + 1] * length)
+    for t in range(timers):
+        due = min(due, timer[row(t) + l])
+    return due
+
+
+@part
+def _settle(e, l, number, step, d, piece_start, coefficients, pieces, memory, mode):
+    """Where the reel of restraint e of lane l is, at the end of its last step."""
+    here, rate = d[at(e, DEGREE) + l], 0.0
+    for j in range(DEGREE - 1, -1, -1):
+        rate = rate * step + here
+        here = here * step + d[at(e, j) + l]
+    restraint.settle(e, l, number, here, rate, piece_start, coefficients, pieces, memory, mode)
+
+
+@part
+def _choose_steps(lanes, coordinates, bars, tolerance, until, pause, time, scale, idle, trial, q, tan, step, last, power):
+    """The length of each lane's step, from its last acceleration coefficients, and no further than the next pause.
 
     If they fall off as scale / r^n, the step is the same fraction of r whichever of them is looked at. Four are: in a motion
     from rest, or one that is even in time, every second or three in four are zero. The tangents are looked at too: under
@@ -244,7 +376,7 @@ def _choose_steps(lanes, coordinates, bars, tolerance, until, time, scale, idle,
         # while modes settle, the step they are read on never grows: so what is round-off in one mode is in the next
         h = where((load(idle, block) > 0.0) & (h > tried), tried, h)
         store(trial, block, h)
-        remaining = load(until, block) - load(time, block)
+        remaining = load(pause, block) - load(time, block)
         goes = finite & (load(until, block) > 0.0)  # a lane without a crash does not
         ends = goes & (h >= remaining)
         store(last, block, where(ends, YES, NO))
@@ -311,7 +443,7 @@ def _keep_phase(coordinates, elements, time, step, q, d, f, phases, kept):
 
 
 @part
-def _advance(lanes, coordinates, step, time, steps, idle, q, scale):
+def _advance(lanes, coordinates, step, last, pause, time, steps, idle, q, scale):
     """The state at the end of the step."""
     for block in range(0, lanes, WIDTH):
         h = load(step, block)
@@ -331,15 +463,33 @@ def _advance(lanes, coordinates, step, time, steps, idle, q, scale):
             store(q, rate_row - STRIDE, where(moved, position, at_start))
             # a number that is not finite makes this one not finite too, and nothing else ever does
             store(scale, block, load(scale, block) + where(moved, 0.0 * (position + rate), 0.0))
-        store(time, block, load(time, block) + h)
+        store(time, block, where(moved & (load(last, block) > NO), load(pause, block), load(time, block) + h))
         store(steps, block, load(steps, block) + 1.0)
         store(idle, block, where(moved, 0.0, load(idle, block)))
 
 
 @part
-def _stopped(block, until, last, steps, idle, scale, bars, q):
+def _move_on(lanes, e, pair, step, line, guard, memory):
+    """What moves with time in restraint e: its reel, as pretensioners pull, and its fill."""
+    for block in range(0, lanes, WIDTH):
+        h = load(step, block)
+        drawn = h * load(line, line_at(e, PULL) + block)
+        reel, zero = memory_at(e, REEL) + block, line_at(e, D0) + block
+        store(memory, reel, load(memory, reel) + drawn)
+        store(line, zero, load(line, zero) - drawn)
+        fill = line_at(e, FILL) + block
+        store(line, fill, load(line, fill) + h * load(line, line_at(e, FILLING) + block))
+        for n in range(4):
+            g = 2 * (e if n < 2 else pair) + n % 2
+            zero = guard_at(g, GD0) + block
+            store(guard, zero, load(guard, zero) - h * load(guard, guard_at(g, DRIFT) + block))
+
+
+@part
+def _stopped(block, until, pause, last, steps, idle, scale, bars, q):
     """The lanes of a block whose crash ends here, as bits."""
-    goes = (load(until, block) > 0.0) & (load(last, block) == NO) & (load(scale, block) < np.inf)
+    ends = (load(last, block) > NO) & (load(pause, block) >= load(until, block))
+    goes = (load(until, block) > 0.0) & (where(ends, YES, NO) == NO) & (load(scale, block) < np.inf)
     goes &= (load(idle, block) <= _IDLE_LIMIT) & (load(steps, block) <= STEP_LIMIT)
     for b in range(bars.size):
         goes &= abs(load(q, at(bars[b], 0) + block)) <= _BAR_LIMIT
@@ -347,11 +497,11 @@ def _stopped(block, until, last, steps, idle, scale, bars, q):
 
 
 @part
-def _stop_of(l, last, steps, idle, scale, bars, q):
+def _stop_of(l, until, pause, last, steps, idle, scale, bars, q):
     """Why lane l ends here."""
     if not np.isfinite(scale[l]):
         return NOT_FINITE
-    if last[l] != NO:
+    if last[l] != NO and pause[l] >= until[l]:
         return COMPLETED
     for b in range(bars.size):
         if abs(q[at(bars[b], 0) + l]) > _BAR_LIMIT:
@@ -373,6 +523,8 @@ def _store(l, number, stop, time, steps, q, memory, work, extreme, out):
         out.rate[i, number] = q[at(i, 1) + l]
     for e in range(out.work.shape[0]):
         out.set[e, number] = memory[memory_at(e, SET) + l]
+        out.reel[e, number] = memory[memory_at(e, REEL) + l]
+        out.payout[e, number] = memory[memory_at(e, PAYOUT) + l]
         out.work[e, number] = work[row(e) + l]
     for k in range(out.best.shape[0]):
         best = extreme[extreme_at(k, BEST) + l]

@@ -10,6 +10,7 @@ from ridedown.network import Channel, Family, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import polynomial
 from ridedown.solver.layout import DEGREE
+from ridedown.solver.workspace import Results
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,9 +24,11 @@ class Phases:
     force: Floats  # (n, DEGREE + 1, elements)
     event_time: Floats  # (k,)
     event_element: Ints
-    event_before: Ints  # mode, see laws.py
-    event_after: Ints
+    event_before: Ints  # mode, see laws.py and restraint.py; -1 where a timer went off
+    event_after: Ints  # mode, or the timer's number
     set: Floats  # (elements,) permanent set at the end, m
+    reel: Floats  # (elements,) belt that a restraint's reel has taken in by the end, m; negative where it let out more
+    payout: Floats  # (elements,) belt that its load limiter let out, m
     chains: tuple[list[int], ...]  # of each coordinate, those that add up to its absolute displacement
 
     @property
@@ -125,8 +128,8 @@ def _differentiated(series: Floats, times: int) -> Floats:
     return series
 
 
-def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent: Floats) -> Phases:
-    """The phases in the solver's record (see `workspace.Record`)."""
+def phases_of(network: Network, count: int, kept: Floats, log: Floats, results: Results) -> Phases:
+    """The phases in the solver's record (see `workspace.Record`), of the one crash of the results."""
     n, m = len(network.coordinates), len(network.elements)
     kept = kept[:count]
     changes = log[1 : 1 + int(log[0, 0])]
@@ -141,7 +144,9 @@ def phases_of(network: Network, count: int, kept: Floats, log: Floats, permanent
         event_element=whole[:, 0],
         event_before=whole[:, 1],
         event_after=whole[:, 2],
-        set=permanent,
+        set=results.set[:, 0],
+        reel=results.reel[:, 0],
+        payout=results.payout[:, 0],
         chains=tuple(network.chain(i) for i in range(n)),
     )
     return phases if count else _first_instant(network, phases)

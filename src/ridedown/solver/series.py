@@ -13,8 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from ridedown.compiled import inlined, part
-from ridedown.solver.laws import ELASTIC, PLASTIC
-from ridedown.solver.layout import D0, F0, STRIDE, V0, C, K, at, line_at, row
+from ridedown.solver.laws import ELASTIC, PLASTIC, RESTRAINT
+from ridedown.solver.layout import D0, F0, FILL, FILLING, PULL, STRIDE, V0, C, K, at, line_at, row
 from ridedown.solver.vector import WIDTH, load, spread, store
 
 _TANGENT = np.array(
@@ -97,11 +97,56 @@ def tangents(lanes, j, bar_coordinate, q, tan, sec2, turn):
             store(tan, last + STRIDE + l, total * (1.0 / (j + 1)))
 
 
+@part
+def drive(lanes, driven, orders, pulse, origin, time, acc):
+    """The series of the driven body's acceleration at each lane's time: its piece of the pulse, shifted to there."""
+    for l in range(0, lanes, WIDTH):
+        since = load(time, l) - load(origin, l)
+        for j in range(orders):
+            store(acc, at(driven, j) + l, load(pulse, row(j) + l))
+        for n in range(orders - 1):  # divided by (x - since) again and again: Horner's scheme, the remainders staying
+            for j in range(orders - 2, n - 1, -1):
+                to = at(driven, j) + l
+                store(acc, to, load(acc, to) + since * load(acc, to + STRIDE))
+
+
+@part
+def _restrain(lanes, j, e, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
+    """d[j + 1] and f[j] of a restraint: of its line, which moves as the reel pulls, as much as its fill."""
+    k, c, pull, to = line_at(e, K), line_at(e, C), line_at(e, PULL), at(e, j)
+    for l in range(0, lanes, WIDTH):
+        if j > 0:
+            new = _deflection(e, j + 1, l, term_start, term_coordinate, term_sign, lever, arm, q, tan)
+            store(d, at(e, j + 1) + l, new)
+        force = _line_of(e, j, l, k, c, pull, line, d)
+        if empty[e] != 0:
+            force *= load(line, line_at(e, FILL) + l)
+            if j > 0:
+                force += load(line, line_at(e, FILLING) + l) * _line_of(e, j - 1, l, k, c, pull, line, d)
+        store(f, to + l, force)
+
+
 @inlined
-def forces(lanes, j, law, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
+def _line_of(e, j, l, k, c, pull, line, d):
+    """Order j of a restraint's line of force."""
+    here, rate = load(d, at(e, j) + l), (j + 1.0) * load(d, at(e, j + 1) + l)
+    offset = spread(0.0)
+    if j == 0:
+        here -= load(line, line_at(e, D0) + l)
+        offset = load(line, line_at(e, F0) + l)
+    elif j == 1:
+        here += load(line, pull + l)
+    return offset + load(line, k + l) * here + load(line, c + l) * rate
+
+
+@inlined
+def forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
     """d[j + 1] of every element, then f[j] by its law's line in its present mode."""
     order = float(j + 1)
     for e in range(lever.size):
+        if law[e] == RESTRAINT:
+            _restrain(lanes, j, e, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
+            continue
         k, c, to, dj, dk = line_at(e, K), line_at(e, C), at(e, j), at(e, j), at(e, j + 1)
         if j == 0:
             d0, v0, f0 = line_at(e, D0), line_at(e, V0), line_at(e, F0)
@@ -135,8 +180,9 @@ def forces(lanes, j, law, term_start, term_coordinate, term_sign, lever, arm, li
 
 @inlined
 def accelerations(
-    lanes, j, conjugate, parent, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of, sec2, moment, f, acc, q
-):
+    lanes, j, conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of, sec2, moment,
+    f, acc, q,
+):  # fmt: skip
     """acc[j] of every body, absolute, and q[j + 2] of every coordinate, relative to its parent.
 
     pull_start, pull_element, pull_sign: the elements that act on each coordinate; on a bar's rotation, by their arms.
@@ -148,6 +194,9 @@ def accelerations(
         first, end = pull_start[i], pull_start[i + 1]
         if bar_of[i] >= 0:
             _turn(lanes, i, j, conjugate, bar_of[i], pull_start, pull_element, arm, inverse_inertia, sec2, moment, f, acc)
+            for l in range(0, lanes, WIDTH):
+                store(q, next_q + l, share * load(acc, to + l))
+        elif i == driven:
             for l in range(0, lanes, WIDTH):
                 store(q, next_q + l, share * load(acc, to + l))
         elif end - first == 1:  # an occupant

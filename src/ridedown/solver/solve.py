@@ -37,6 +37,8 @@ class Solved:
     position: Floats
     rate: Floats
     set: Floats
+    reel: Floats
+    payout: Floats
     work: Floats
     best: Floats
     best_time: Floats
@@ -85,5 +87,5 @@ def solve_one(network: Network) -> tuple[Phases, Stop]:
         if results.stop[0] != Stop.RECORD_FULL:
             break
         capacity *= 8
-    phases = phases_of(network, int(record.kept[0]), record.phases, record.log, results.set[:, 0])
+    phases = phases_of(network, int(record.kept[0]), record.phases, record.log, results)
     return phases, Stop(int(results.stop[0]))

@@ -5,7 +5,7 @@ crashes differ (another mode of a law, another step) they differ in numbers, not
 takes the next. One crash takes one lane.
 
 Names below: q position series, d deflection series, f force series; j order of the coefficient, i coordinate, e element,
-b bar, g guard (two to an element), l lane.
+b bar, g guard (two to a pair, one pair to an element, two to a restraint), l lane.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ridedown.network import Network
+from ridedown.network import Law, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import events, together
 from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, MEMORY_ROWS, ORDERS, STRIDE
@@ -38,6 +38,15 @@ class Structure(NamedTuple):
     pull_element: Ints
     pull_sign: Floats
     piece_start: Ints
+    pair_element: Ints  # (m + restraints,) the element of each pair of guards
+    second_pair: Ints  # (e,) the second pair of a restraint, -1 = none
+    free: Ints  # (e,) 1 for a restraint whose reel is free at first
+    empty: Ints  # (e,) 1 for a restraint that is empty at first
+    timer_element: Ints
+    timer_action: Ints
+    driven: int  # coordinate with a prescribed acceleration, -1 = none
+    pulse_start: Floats
+    pulse_series: Floats
     tracked_start: Ints  # (k + 1,) terms of each tracked quantity
     tracked_family: Ints  # of each term: a Family
     tracked_index: Ints
@@ -51,8 +60,12 @@ class Numbers(NamedTuple):
     inertia: Floats  # (i, R)
     rate: Floats  # (i, R)
     arm: Floats  # (e, R)
-    coefficients: Floats  # (3, e, R) stiffness, damping, slack
+    coefficients: Floats  # (9, e, R) stiffness, damping, slack, limits, payouts, stall forces; the first 3, without restraints
     pieces: Floats  # (3, p, R) knot, force, slope
+    timer_time: Floats  # (t, R)
+    timer_value: Floats  # (t, R)
+    pulse_amplitude: Floats  # (R,)
+    pulse_length: Floats  # (R,)
     duration: Floats  # (R,)
 
 
@@ -62,9 +75,14 @@ class Lanes(NamedTuple):
     # which crash, and where it is: one row each
     crash: Ints  # its number, -1 = none
     until: Floats  # its duration; 0 where there is none
+    pause: Floats  # the next time to stop at: a timer, the pulse's next piece, or the end
+    timer: Floats  # rows by timer: when it goes off, infinite once it has
+    pulse: Floats  # rows by order: the piece of the pulse at hand, in powers of the time since
+    origin: Floats  # the time at which it starts
+    piece: Ints  # and its number
     time: Floats
     step: Floats
-    last: Floats  # whether this step ends the crash, 1 or 0
+    last: Floats  # whether this step goes on to the pause, 1 or 0
     steps: Floats
     idle: Floats  # steps of no length since the crash last advanced
     trial: Floats  # the length of step that its modes are read on
@@ -120,6 +138,8 @@ class Results(NamedTuple):
     position: Floats  # (i, R) at the end
     rate: Floats
     set: Floats  # (e, R)
+    reel: Floats  # (e, R) belt taken in
+    payout: Floats  # (e, R) belt that the load limiter let out
     work: Floats  # (e, R) done on each element, if asked for
     best: Floats  # (k, R) extremes tracked
     best_time: Floats
@@ -136,6 +156,7 @@ class Record(NamedTuple):
 def lanes_for(network: Network, tracked: int) -> Lanes:
     """Room for STRIDE crashes abreast of a network of this structure."""
     n, m, bars = len(network.coordinates), len(network.elements), int(network.is_rotation.sum())
+    pairs = m + int((network.law == Law.RESTRAINT).sum())
 
     def floats(rows: int) -> Floats:
         """Zeros, from the start of a cache line on."""
@@ -149,6 +170,11 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
     return Lanes(
         crash=whole(1),
         until=floats(1),
+        pause=floats(1),
+        timer=floats(network.timer_element.size),
+        pulse=floats(network.pulse_series.shape[1]),
+        origin=floats(1),
+        piece=whole(1),
         time=floats(1),
         step=floats(1),
         last=floats(1),
@@ -169,11 +195,11 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         arm=floats(m),
         mode=whole(m),
         line=floats(m * LINE_ROWS),
-        guard=floats(2 * m * GUARD_ROWS),
+        guard=floats(2 * pairs * GUARD_ROWS),
         memory=floats(m * MEMORY_ROWS),
         work=floats(m),
         event=whole(1),
-        pending=whole(2 * m),
+        pending=whole(2 * pairs),
         pending_count=whole(1),
         extreme=floats(tracked * EXTREME_ROWS),
         falling=floats(together.ROWS),
@@ -194,6 +220,8 @@ def results_for(network: Network, tracked: int) -> Results:
         position=np.zeros((n, rows)),
         rate=np.zeros((n, rows)),
         set=np.zeros((m, rows)),
+        reel=np.zeros((m, rows)),
+        payout=np.zeros((m, rows)),
         work=np.zeros((m, rows)),
         best=np.zeros((tracked, rows)),
         best_time=np.zeros((tracked, rows)),
@@ -220,6 +248,10 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
     element = np.concatenate((np.repeat(np.arange(len(network.elements)), np.diff(network.reaction_start)), levered))
     sign = np.concatenate((-network.reaction_sign, np.zeros(len(levered))))
     order = np.argsort(coordinate, kind="stable")
+    elements = np.arange(len(network.elements))
+    restraints = np.flatnonzero(network.law == Law.RESTRAINT)
+    second_pair = np.full(len(network.elements), -1, dtype=np.int64)
+    second_pair[restraints] = len(network.elements) + np.arange(restraints.size)
     return Structure(
         parent=network.parent,
         law=network.law,
@@ -234,6 +266,15 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         pull_element=element[order],
         pull_sign=sign[order],
         piece_start=network.piece_start,
+        pair_element=np.concatenate((elements, restraints)),
+        second_pair=second_pair,
+        free=network.free.astype(np.int64),
+        empty=network.empty.astype(np.int64),
+        timer_element=network.timer_element,
+        timer_action=network.timer_action,
+        driven=network.driven,
+        pulse_start=network.pulse_start,
+        pulse_series=network.pulse_series,
         tracked_start=tracked.start,
         tracked_family=tracked.family,
         tracked_index=tracked.item,
@@ -248,7 +289,18 @@ def numbers_of(network: Network) -> Numbers:
         inertia=network.inertia,
         rate=network.rate,
         arm=network.arm,
-        coefficients=np.stack((network.stiffness, network.damping, network.slack)),
+        coefficients=_coefficients(network),
         pieces=np.stack((network.knot, network.force, network.slope)),
+        timer_time=network.timer_time,
+        timer_value=network.timer_value,
+        pulse_amplitude=network.pulse_amplitude,
+        pulse_length=network.pulse_length,
         duration=network.duration,
     )
+
+
+def _coefficients(network: Network) -> Floats:
+    common = np.stack((network.stiffness, network.damping, network.slack))
+    if not (network.law == Law.RESTRAINT).any():
+        return common
+    return np.concatenate((common, network.limit, network.payout, network.stall))

@@ -1,0 +1,343 @@
+"""The restraint law as modes: a belt on its reel, a bag that fills, a padded surface (see `ridedown.network.Restraint`).
+
+    e = d - slack + w      elongation; w is what the reel has taken in, w' = r the rate at which pretensioners pull
+    line of a branch       F + k (e - e_branch) + c v, v = d'; the branch is a piece of the curve, or the unloading line
+
+    mode                   force                     guards, positive inside the mode
+    0 open                 0                         touch - e          where touch = max(set, 0)
+    i on piece i           line                      e - e_i, or e' where it unloads on a line; e_(i+1) - e;
+                                                     f - low; high - f
+    n + 1 unloading line   line                      e - touch; e_max - e; f - low; high - f
+    n + 2 clipped          0                         minus the line; e - touch; and what keeps it on its branch
+    n + 3, n + 4 slipping  the limiter's, stage 1, 2 f_fixed'; payout left
+    n + 5, n + 6 held      stall force of 1, 2       f_fixed' with this pretensioner pulling; minus f_fixed' with it stalled
+    n + 7 free             0                         none; a timer locks the reel
+
+`low` is the highest stall force of the pretensioners that pull in vain, or zero; `high` the lowest force at which something
+gives: a pretensioner stalls, the limiter slips. f_fixed' = k (v + r) + c d'' is how fast the force would rise if the reel
+stayed as it is: while it slips or holds at a constant force, the reel lies where the branch's line gives just that force, so
+that nothing jumps when it is fixed again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ridedown.compiled import inlined, part
+from ridedown.network import Action
+from ridedown.solver.layout import (
+    BRANCH,
+    D0,
+    DRIFT,
+    F0,
+    FILLING,
+    G0,
+    GA,
+    GD0,
+    GV0,
+    LATCH,
+    PAYOUT,
+    PIECE,
+    PULL,
+    RATE,
+    REEL,
+    SET,
+    STAGE,
+    STALLED,
+    V0,
+    A,
+    B,
+    C,
+    K,
+    guard_at,
+    line_at,
+    memory_at,
+    row,
+)
+
+LOCK, PULL_1, PULL_2, STAGE_2, FILL = (int(action) for action in Action)
+
+OPEN = 0
+UNLOADING, CLIPPED, SLIPPING_1, SLIPPING_2, HELD_1, HELD_2, FREE = range(1, 8)
+"""Modes after those of the n pieces: n + UNLOADING, ..."""
+
+STIFFNESS, DAMPING, SLACK, LIMIT, PAYOUTS, STALL = 0, 1, 2, 3, 5, 7
+"""Rows of a restraint's coefficients; of the last three there are two each."""
+COEFFICIENTS = 9
+KNOT, FORCE, SLOPE = range(3)
+
+_NEVER = 1e300
+
+
+@part
+def enter(e, l, crash, after, piece_start, coefficients, pieces, pair, line, guard, memory, mode):
+    """Put restraint e of lane l into mode `after`: its line of force and its four guards, of pair e and of `pair`."""
+    first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
+    mode[row(e) + l] = after
+    branch = int(memory[memory_at(e, BRANCH) + l]) if after > count + UNLOADING else after
+    k, e0, f0 = _branch(e, l, crash, branch, first, count, coefficients, pieces, memory)
+    c, unloads = coefficients[DAMPING, e, crash], coefficients[STIFFNESS, e, crash] > 0.0
+    shift = coefficients[SLACK, e, crash] - memory[memory_at(e, REEL) + l]  # e = d - shift
+    touch = shift + max(memory[memory_at(e, SET) + l], 0.0)
+    pull = _pull(e, l, memory)
+    d0 = shift + e0
+    for g in (2 * e, 2 * e + 1, 2 * pair, 2 * pair + 1):
+        _guard(g, l, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, guard)
+    if after == OPEN:
+        _line(e, l, 0.0, 0.0, 0.0, 0.0, pull, line)
+        _guard(2 * e, l, -1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, guard)
+    elif after <= count + UNLOADING:
+        _line(e, l, k, c, d0, f0, pull, line)
+        goes_on = after < count
+        if after > count:
+            _guard(2 * e, l, 1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, guard)
+            _guard(2 * e + 1, l, -1.0, 0.0, shift + memory[memory_at(e, LATCH) + l], 0.0, 0.0, 0.0, pull, guard)
+        else:
+            if unloads:
+                _guard(2 * e, l, 0.0, 1.0, 0.0, -pull, 0.0, 0.0, 0.0, guard)
+            else:
+                _guard(2 * e, l, 1.0, 0.0, d0, 0.0, 0.0, 0.0, pull, guard)
+            if goes_on:
+                _guard(2 * e + 1, l, -1.0, 0.0, shift + pieces[KNOT, first + after, crash], 0.0, 0.0, 0.0, pull, guard)
+        low, high = _low(e, l, crash, coefficients, memory), _high(e, l, crash, coefficients, memory)
+        if low > 0.0 or c > 0.0:
+            _guard(2 * pair, l, k, c, d0, 0.0, f0 - low, 0.0, pull, guard)
+        if high < _NEVER:
+            _guard(2 * pair + 1, l, -k, -c, d0, 0.0, high - f0, 0.0, pull, guard)
+    elif after == count + CLIPPED:
+        _line(e, l, 0.0, 0.0, 0.0, 0.0, pull, line)
+        _guard(2 * e, l, -k, -c, d0, 0.0, -f0, 0.0, pull, guard)
+        _guard(2 * e + 1, l, 1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, guard)
+        if branch <= count and unloads:
+            _guard(2 * pair, l, 0.0, 1.0, 0.0, -pull, 0.0, 0.0, 0.0, guard)
+        elif 1 < branch <= count:
+            _guard(2 * pair, l, 1.0, 0.0, d0, 0.0, 0.0, 0.0, pull, guard)
+        if branch < count:
+            _guard(2 * pair + 1, l, -1.0, 0.0, shift + pieces[KNOT, first + branch, crash], 0.0, 0.0, 0.0, pull, guard)
+    elif after == count + FREE:
+        _line(e, l, 0.0, 0.0, 0.0, 0.0, 0.0, line)
+    else:
+        _enter_given(e, l, crash, after - count, k, c, e0, f0, pull, coefficients, line, guard, memory)
+
+
+@part
+def _enter_given(e, l, crash, kind, k, c, e0, f0, pull, coefficients, line, guard, memory):
+    """A mode in which the force is given and the reel gives way: slipping, or held by a pretensioner."""
+    if kind >= HELD_1:
+        n = kind - HELD_1
+        force = coefficients[STALL + n, e, crash]
+        others = pull - (0.0 if memory[memory_at(e, STALLED + n) + l] > 0.0 else memory[memory_at(e, RATE + n) + l])
+        rate = memory[memory_at(e, RATE + n) + l]
+        if k > 0.0:
+            _guard(2 * e, l, 0.0, k, 0.0, -(others + rate), 0.0, c, 0.0, guard)
+            _guard(2 * e + 1, l, 0.0, -k, 0.0, -others, 0.0, -c, 0.0, guard)
+        else:
+            _guard(2 * e, l, 0.0, c, 0.0, 0.0, f0 - force, 0.0, 0.0, guard)
+    else:
+        n = kind - SLIPPING_1
+        force, most = coefficients[LIMIT + n, e, crash], coefficients[PAYOUTS + n, e, crash]
+        if k > 0.0:
+            _guard(2 * e, l, 0.0, k, 0.0, -pull, 0.0, c, 0.0, guard)
+        else:
+            _guard(2 * e, l, 0.0, c, 0.0, 0.0, f0 - force, 0.0, 0.0, guard)
+        if most < _NEVER:  # payout so far and what the reel gives from here on: w less (elongation at this force + slack - d)
+            stretch = (force - f0) / k if k > 0.0 else 0.0
+            left = most - memory[memory_at(e, PAYOUT) + l] - memory[memory_at(e, REEL) + l]
+            left += e0 + stretch + coefficients[SLACK, e, crash]
+            _guard(2 * e + 1, l, -1.0, -c / k if k > 0.0 else 0.0, 0.0, 0.0, left, 0.0, 0.0, guard)
+    _line(e, l, 0.0, 0.0, 0.0, force, 0.0, line)
+
+
+@part
+def next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memory, mode):
+    """The mode on the other side of guard `which` (0 to 3) of restraint e; takes down what it must remember."""
+    first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
+    now = mode[row(e) + l]
+    if now == OPEN:
+        for n in range(2):
+            memory[memory_at(e, STALLED + n) + l] = 0.0
+        return 1 if memory[memory_at(e, PIECE) + l] == 0.0 else count + UNLOADING
+    if now <= count + UNLOADING:
+        if which >= 2:
+            memory[memory_at(e, BRANCH) + l] = now
+            if which == 3:
+                return count + _what_gives(e, l, crash, coefficients, memory)
+            return count + _what_pulls_again(e, l, crash, coefficients, memory)
+        if now > count:
+            return OPEN if which == 0 else int(memory[memory_at(e, PIECE) + l])
+        if which == 1:
+            return now + 1
+        if coefficients[STIFFNESS, e, crash] > 0.0:
+            _unload(e, l, crash, now, d, first, coefficients, pieces, memory)
+            return count + UNLOADING
+        return now - 1
+    branch = int(memory[memory_at(e, BRANCH) + l])
+    if now == count + CLIPPED:
+        if which == 1:
+            return OPEN
+        if which == 0:
+            return branch
+        if which == 3:
+            memory[memory_at(e, BRANCH) + l] = branch + 1
+        elif coefficients[STIFFNESS, e, crash] > 0.0:
+            _unload(e, l, crash, branch, d, first, coefficients, pieces, memory)
+            memory[memory_at(e, BRANCH) + l] = count + UNLOADING
+        else:
+            memory[memory_at(e, BRANCH) + l] = branch - 1
+        return now
+    settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode)
+    if now >= count + HELD_1:
+        memory[memory_at(e, STALLED + now - count - HELD_1) + l] = float(which)
+    elif which == 1:
+        n = now - count - SLIPPING_1
+        memory[memory_at(e, PAYOUT) + l] = coefficients[PAYOUTS + n, e, crash]
+        memory[memory_at(e, STAGE) + l] = n + 1.0
+    return branch
+
+
+@part
+def settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode):
+    """Where the reel is, of a restraint that slips or is held: its line, fixed there, gives the force that it has."""
+    count = piece_start[e + 1] - piece_start[e]
+    now = mode[row(e) + l]
+    if not count + SLIPPING_1 <= now <= count + HELD_2:
+        return
+    branch = int(memory[memory_at(e, BRANCH) + l])
+    k, e0, f0 = _branch(e, l, crash, branch, piece_start[e], count, coefficients, pieces, memory)
+    slips = now <= count + SLIPPING_2
+    n = now - count - (SLIPPING_1 if slips else HELD_1)
+    force = coefficients[(LIMIT if slips else STALL) + n, e, crash]
+    before = memory[memory_at(e, REEL) + l]
+    stretch = (force - f0 - coefficients[DAMPING, e, crash] * v) / k if k > 0.0 else 0.0
+    after = e0 + stretch + coefficients[SLACK, e, crash] - d
+    memory[memory_at(e, REEL) + l] = after
+    if slips:
+        memory[memory_at(e, PAYOUT) + l] += before - after
+
+
+@part
+def fire(e, l, crash, action, value, d, v, piece_start, coefficients, pieces, pair, line, guard, memory, mode):
+    """A timer of restraint e goes off: do what its action says."""
+    count = piece_start[e + 1] - piece_start[e]
+    now = mode[row(e) + l]
+    if action == FILL:
+        line[line_at(e, FILLING) + l] = value
+        return
+    if action == LOCK:
+        if now != count + FREE:
+            return
+        memory[memory_at(e, REEL) + l] = min(coefficients[SLACK, e, crash] - d, 0.0)
+        now = OPEN
+    force = line[line_at(e, F0) + l] + line[line_at(e, K) + l] * (d - line[line_at(e, D0) + l]) + line[line_at(e, C) + l] * v
+    if count + SLIPPING_1 <= now <= count + HELD_2:
+        settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode)
+        now = int(memory[memory_at(e, BRANCH) + l])
+    if action == STAGE_2:
+        memory[memory_at(e, STAGE) + l] = max(memory[memory_at(e, STAGE) + l], 1.0)
+    elif action in (PULL_1, PULL_2):
+        n = action - PULL_1
+        memory[memory_at(e, RATE + n) + l] = value
+        stalled = value > 0.0 and force >= coefficients[STALL + n, e, crash]
+        memory[memory_at(e, STALLED + n) + l] = 1.0 if stalled else 0.0
+    enter(e, l, crash, now, piece_start, coefficients, pieces, pair, line, guard, memory, mode)
+
+
+@part
+def _branch(e, l, crash, branch, first, count, coefficients, pieces, memory):
+    """Slope, elongation and force of the point that a branch's line starts from."""
+    if branch == OPEN:
+        return 0.0, 0.0, 0.0
+    if branch <= count:
+        p = first + branch - 1
+        return pieces[SLOPE, p, crash], pieces[KNOT, p, crash], pieces[FORCE, p, crash]
+    return coefficients[STIFFNESS, e, crash], memory[memory_at(e, SET) + l], 0.0
+
+
+@part
+def _unload(e, l, crash, piece, d, first, coefficients, pieces, memory):
+    """Take down where a curve is left for its unloading line, and the set that it leads to."""
+    p = first + piece - 1
+    elongation = d - coefficients[SLACK, e, crash] + memory[memory_at(e, REEL) + l]
+    force = pieces[FORCE, p, crash] + pieces[SLOPE, p, crash] * (elongation - pieces[KNOT, p, crash])
+    memory[memory_at(e, LATCH) + l] = elongation
+    memory[memory_at(e, SET) + l] = elongation - force / coefficients[STIFFNESS, e, crash]
+    memory[memory_at(e, PIECE) + l] = piece
+
+
+@inlined
+def _pull(e, l, memory):
+    """Rate at which the reel is pulled in."""
+    rate = 0.0
+    for n in range(2):
+        if memory[memory_at(e, STALLED + n) + l] == 0.0:
+            rate += memory[memory_at(e, RATE + n) + l]
+    return rate
+
+
+@inlined
+def _limit(e, l, crash, coefficients, memory):
+    """The load limiter's force at its present stage."""
+    stage = int(memory[memory_at(e, STAGE) + l])
+    return coefficients[LIMIT + stage, e, crash] if stage < 2 else np.inf
+
+
+@inlined
+def _high(e, l, crash, coefficients, memory):
+    """The lowest force at which something gives."""
+    force = _limit(e, l, crash, coefficients, memory)
+    for n in range(2):
+        if memory[memory_at(e, STALLED + n) + l] == 0.0 and memory[memory_at(e, RATE + n) + l] > 0.0:
+            force = min(force, coefficients[STALL + n, e, crash])
+    return force
+
+
+@inlined
+def _low(e, l, crash, coefficients, memory):
+    """The highest force at which a stalled pretensioner pulls again, or zero."""
+    force = 0.0
+    for n in range(2):
+        if memory[memory_at(e, STALLED + n) + l] > 0.0:
+            force = max(force, coefficients[STALL + n, e, crash])
+    return force
+
+
+@part
+def _what_gives(e, l, crash, coefficients, memory):
+    """The mode, after the pieces', of what gives at the force `_high`."""
+    high = _high(e, l, crash, coefficients, memory)
+    if high == _limit(e, l, crash, coefficients, memory):
+        return SLIPPING_1 if memory[memory_at(e, STAGE) + l] == 0.0 else SLIPPING_2
+    pulls = memory[memory_at(e, STALLED) + l] == 0.0 and memory[memory_at(e, RATE) + l] > 0.0
+    return HELD_1 if pulls and coefficients[STALL, e, crash] == high else HELD_2
+
+
+@part
+def _what_pulls_again(e, l, crash, coefficients, memory):
+    """The mode, after the pieces', at the force `_low`: a pretensioner that was stalled, or no force at all."""
+    low = _low(e, l, crash, coefficients, memory)
+    if low == 0.0:
+        return CLIPPED
+    n = 0 if memory[memory_at(e, STALLED) + l] > 0.0 and coefficients[STALL, e, crash] == low else 1
+    memory[memory_at(e, STALLED + n) + l] = 0.0
+    return HELD_1 + n
+
+
+@part
+def _line(e, l, k, c, d0, f0, pull, line):
+    line[line_at(e, K) + l] = k
+    line[line_at(e, C) + l] = c
+    line[line_at(e, D0) + l] = d0
+    line[line_at(e, V0) + l] = 0.0
+    line[line_at(e, F0) + l] = f0
+    line[line_at(e, PULL) + l] = pull
+
+
+@part
+def _guard(g, l, a, b, d0, v0, g0, ga, drift, guard):
+    guard[guard_at(g, A) + l] = a
+    guard[guard_at(g, B) + l] = b
+    guard[guard_at(g, GD0) + l] = d0
+    guard[guard_at(g, GV0) + l] = v0
+    guard[guard_at(g, G0) + l] = g0
+    guard[guard_at(g, GA) + l] = ga
+    guard[guard_at(g, DRIFT) + l] = drift
