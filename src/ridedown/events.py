@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from ridedown.network import Law, Network
+from ridedown.restraint_events import mode_event, timer_event
 from ridedown.solver import laws
 from ridedown.solver.phases import Phases
 
+_TIMER = -1  # the mode before, of what a timer did; the mode after is the timer's number
 _INSTANT = 1e-12  # s: changes no further apart are one event
 
 
@@ -20,26 +23,33 @@ class Event:
     what: str
 
 
-def events_of(network: Network, phases: Phases) -> tuple[Event, ...]:
-    """The events of a solved crash, in order.
+def events_of(network: Network, phases: Phases, *, belts: Collection[str] = ()) -> tuple[Event, ...]:
+    """The events of a solved crash, in order; `belts` names the elements that pull where others are pressed.
 
     Several changes of one element at one instant are one event: a belt that slips from taut through clipped to slack has gone
-    slack.
+    slack. What a timer does is an event of its own.
     """
     changes: list[tuple[float, int, int, int]] = []
     for time, e, before, after in zip(
         phases.event_time, phases.event_element, phases.event_before, phases.event_after, strict=True
     ):
-        same = _same_instant(changes, float(time), int(e))
+        same = None if before == _TIMER else _same_instant(changes, float(time), int(e))
         if same is None:
             changes.append((float(time), int(e), int(before), int(after)))
         else:
             changes[same] = (changes[same][0], int(e), changes[same][2], int(after))
-    return tuple(
-        Event(time, network.elements[e], _what(network, e, before, after))
-        for time, e, before, after in changes
-        if before != after
-    )
+    found = []
+    for time, e, before, after in changes:
+        name = network.elements[e]
+        if before == _TIMER:
+            what = timer_event(network, after)
+        elif network.law[e] == Law.RESTRAINT:
+            what = mode_event(network, phases, e, time, before, after, belt=name in belts) if before != after else ""
+        else:
+            what = _what(network, e, before, after) if before != after else ""
+        if what:
+            found.append(Event(time, name, what))
+    return tuple(found)
 
 
 def _same_instant(changes: list[tuple[float, int, int, int]], time: float, element: int) -> int | None:
@@ -47,7 +57,7 @@ def _same_instant(changes: list[tuple[float, int, int, int]], time: float, eleme
     for k in range(len(changes) - 1, -1, -1):
         if time - changes[k][0] > _INSTANT:
             return None
-        if changes[k][1] == element:
+        if changes[k][1] == element and changes[k][2] != _TIMER:
             return k
     return None
 

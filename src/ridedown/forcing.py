@@ -14,10 +14,14 @@ def forcing_channels(
 ) -> dict[str, Channel]:
     """`<adult>.forcing` = f(t) and `<child>.seat.forcing` = f_2(t) [N], for all times.
 
+    Of occupants whose restraint is one spring and damper, for that is what the paper's equations have.
+
     `v*` is the relative velocity at which the slack was first taken up: zero for laws that have none, and where it never was.
     """
     found = {}
     for occupant in scenario.occupants:
+        if occupant.restraint is None or (occupant.seat is not None and occupant.seat.restraint is None):
+            continue
         vehicle = f"vehicle{occupant.vehicle}"
         if occupant.seat is None:
             name, constant = occupant.name, 0.0

@@ -94,9 +94,12 @@ class Outcomes(Mapping[str, Floats]):
         return len(self.columns)
 
 
-def wanted(network: Network, names: Sequence[str] | None) -> Wanted:
-    """What the solver must keep for the outcomes of these names. Raises: UnknownName, with the nearest."""
-    every = channels(network)
+def wanted(network: Network, names: Sequence[str] | None, further: Mapping[str, Channel] | None = None) -> Wanted:
+    """What the solver must keep for the outcomes of these names; `further` are channels that the network itself has not.
+
+    Raises: UnknownName, with the nearest.
+    """
+    every = {**channels(network), **(further or {})}
     if names is None:
         names = _usual(network, every)
     known = dict(_known(network, every))

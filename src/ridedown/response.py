@@ -279,7 +279,7 @@ class Response:
             occupant.name: OccupantResult(
                 kind=occupant.kind,
                 vehicle=f"vehicle{occupant.vehicle}",
-                mass=float(occupant.mass),
+                mass=float(occupant.whole_mass),
                 peak_acceleration=self.peak(f"{occupant.name}.acceleration"),
                 excursion=self.maximum(f"{occupant.name}.excursion"),
                 relative_displacement=self.maximum(f"{occupant.name}.relative_displacement"),

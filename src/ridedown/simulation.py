@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ridedown.errors import InvalidInput, SimulationStopped
 from ridedown.outcomes import Outcomes, Wanted, wanted
 from ridedown.response import Response
-from ridedown.scenario import CrashScenario, NetworkScenario, lower, substitute
+from ridedown.scenario import CrashScenario, NetworkScenario, lower, substitute, total_forces
 from ridedown.solver.solve import solve_many, solve_one
 from ridedown.status import Status
 
@@ -69,7 +69,8 @@ def simulate_many(
     """
     columns, rows = _columns(table)
     workers = _workers(threads)
-    plan = wanted(lower(scenario), outcomes)
+    network = lower(scenario)
+    plan = wanted(network, outcomes, total_forces(getattr(scenario, "occupants", ()), network))
     substitute(scenario, columns)  # the whole table is judged before the first crash is solved
     result = Outcomes.empty(plan, rows)
     starts = range(0, rows, _CHUNK)

@@ -3,40 +3,52 @@
 from __future__ import annotations
 
 from ridedown.scenario.bar import Arms, Bar
+from ridedown.scenario.channels import centre_of_mass, total_forces
 from ridedown.scenario.files import dump, load
 from ridedown.scenario.lowering import lower
 from ridedown.scenario.member import Member, Piece
 from ridedown.scenario.model import Collision, CrashScenario, Source
 from ridedown.scenario.networks import Crush, NetworkScenario, PointMass, Tie
-from ridedown.scenario.occupant import Occupant, Restraint, Seat
+from ridedown.scenario.occupant import Body, Joint, Occupant, Restraint, Seat
 from ridedown.scenario.parameters import Parameter, parameters, substitute
+from ridedown.scenario.restraints import Airbag, AnyRestraint, Belt, Contact, LoadLimiter, Pretensioner
 from ridedown.scenario.schema import json_schema
 from ridedown.scenario.vehicle import Vehicle
 
 Scenario = CrashScenario | NetworkScenario
 
 __all__ = [
+    "Airbag",
+    "AnyRestraint",
     "Arms",
     "Bar",
+    "Belt",
+    "Body",
     "Collision",
+    "Contact",
     "CrashScenario",
     "Crush",
+    "Joint",
+    "LoadLimiter",
     "Member",
     "NetworkScenario",
     "Occupant",
     "Parameter",
     "Piece",
     "PointMass",
+    "Pretensioner",
     "Restraint",
     "Scenario",
     "Seat",
     "Source",
     "Tie",
     "Vehicle",
+    "centre_of_mass",
     "dump",
     "json_schema",
     "load",
     "lower",
     "parameters",
     "substitute",
+    "total_forces",
 ]

@@ -109,6 +109,15 @@ def exclusive(one: str, other: str, *, given: bool, fix: str) -> Check:
     return Check(other, not given, f"both {one} and {other}", "one of them", fix)
 
 
+def unused(stem: str, taken: set[str]) -> str:
+    """The stem, or the stem with the first number from 2 that is free: adult, adult2, ..."""
+    name, number = stem, 1
+    while name in taken:
+        number += 1
+        name = f"{stem}{number}"
+    return name
+
+
 def quantities_in(annotation: Any) -> tuple[Quantity, ...]:
     """The quantities that a type is made of, in order."""
     if get_origin(annotation) is Annotated:

@@ -20,6 +20,9 @@ from ridedown.scenario.vehicle import Vehicle
 YAML_SUFFIXES = (".yaml", ".yml")
 SUFFIXES = (".toml", *YAML_SUFFIXES)
 
+_FIRST = ("name", "kind")
+"""What a table says first, where it has them."""
+
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 _EXAMPLE = "Start from an example: `ridedown catalogue example-offset`."
 
@@ -143,8 +146,9 @@ def dump(scenario: CrashScenario | NetworkScenario) -> str:
 def _plain(model: Model) -> dict[str, Any]:
     """The model as a file would have it."""
     plain: dict[str, Any] = {}
-    for field, info in type(model).model_fields.items():
-        value = getattr(model, field)
+    fields = type(model).model_fields
+    for field in sorted(fields, key=lambda field: field not in _FIRST):
+        info, value = fields[field], getattr(model, field)
         comparable = isinstance(value, float | int | str | tuple) and not info.is_required()
         if value is None or (comparable and value == info.default):
             continue
@@ -177,7 +181,16 @@ def _write_table(table: dict[str, Any], path: tuple[str, ...], lines: list[str])
         _write_table(value, (*path, key), lines)
     for key, value in lists.items():
         for item in value:
-            lines += ["", f"[[{key}]]", *(f"{name} = {_inline(entry)}" for name, entry in item.items())]
+            _write_item(item, key, lines)
+
+
+def _write_item(table: dict[str, Any], path: str, lines: list[str]) -> None:
+    """One of a list of tables; lists of named things in it follow, each with a header of its own."""
+    lists = {key: value for key, value in table.items() if _is_list_of_tables(value) and all("name" in one for one in value)}
+    lines += ["", f"[[{path}]]", *(f"{key} = {_inline(value)}" for key, value in table.items() if key not in lists)]
+    for key, value in lists.items():
+        for item in value:
+            _write_item(item, f"{path}.{key}", lines)
 
 
 def _is_list_of_tables(value: Any) -> bool:

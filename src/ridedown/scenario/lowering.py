@@ -8,28 +8,20 @@ from __future__ import annotations
 from ridedown import network
 from ridedown.network import Builder, Network
 from ridedown.scenario.bar import Bar
+from ridedown.scenario.lowering_occupant import TIES, Tied, lower_occupant
 from ridedown.scenario.member import ForceDeflection
 from ridedown.scenario.model import CrashScenario
 from ridedown.scenario.networks import WALL, Crush, NetworkScenario, Tie
-from ridedown.scenario.occupant import Occupant, Restraint
-from ridedown.scenario.quantities import Number
 from ridedown.scenario.vehicle import Vehicle
-
-Tied = network.Linear | network.KelvinVoigt | network.Threshold
-
-_TIES: dict[str, type[Tied]] = {
-    "linear": network.Linear,
-    "kelvin-voigt": network.KelvinVoigt,
-    "threshold": network.Threshold,
-}
 
 
 def lower(scenario: CrashScenario | NetworkScenario) -> Network:
     """The network of a scenario: its bodies and elements in a fixed order, SI.
 
-    Bodies are named `vehicle1`, `vehicle2`, `bar`, `bar.rotation`, `<occupant>` and `<occupant>.seat`; elements
-    `vehicle1.right`, `vehicle1.left`, `vehicle2.right`, `vehicle2.left`, `<occupant>.restraint` and
-    `<occupant>.seat.restraint`. In a network scenario both keep the names given there.
+    Bodies are named `vehicle1`, `vehicle2`, `bar`, `bar.rotation`, `<occupant>` or `<occupant>.<body>`, and
+    `<occupant>.seat`; elements `vehicle1.right`, `vehicle1.left`, `vehicle2.right`, `vehicle2.left`, `<occupant>.restraint` or
+    `<occupant>.<restraint>`, `<occupant>.<joint>` and the same of `<occupant>.seat`. In a network scenario both keep the
+    names given there.
     """
     builder = Builder()
     if isinstance(scenario, NetworkScenario):
@@ -50,7 +42,7 @@ def _lower_crash(builder: Builder, scenario: CrashScenario) -> None:
         _lower_front(builder, bodies[0], bodies[1], vehicle1, vehicle2, bar)
     for occupant in scenario.occupants:
         vehicle = vehicle1 if occupant.vehicle == 1 or vehicle2 is None else vehicle2
-        _lower_occupant(builder, occupant, bodies[occupant.vehicle - 1], vehicle.speed)
+        lower_occupant(builder, occupant, bodies[occupant.vehicle - 1], vehicle.speed)
 
 
 def _lower_front(builder: Builder, body1: int, body2: int, vehicle1: Vehicle, vehicle2: Vehicle, bar: Bar) -> None:
@@ -72,25 +64,6 @@ def _lower_front(builder: Builder, body1: int, body2: int, vehicle1: Vehicle, ve
             builder.element(f"{name}.{side}", curve, deflection={body: 1.0, middle: sign}, lever=lever)
 
 
-def _lower_occupant(builder: Builder, occupant: Occupant, vehicle: int, speed: Number) -> None:
-    name, seat = occupant.name, occupant.seat
-    law = _tie(occupant.restraint, occupant.mass)
-    if seat is None:
-        body = builder.body(name, mass=occupant.mass, speed=speed, parent=vehicle)
-        acts_on = None if occupant.coupled else (body,)
-        builder.element(f"{name}.restraint", law, deflection={body: 1.0, vehicle: -1.0}, acts_on=acts_on)
-        return
-    chair = builder.body(f"{name}.seat", mass=seat.mass, speed=speed, parent=vehicle)
-    body = builder.body(name, mass=occupant.mass, speed=speed, parent=chair)
-    builder.element(f"{name}.restraint", law, deflection={body: 1.0, chair: -1.0})
-    builder.element(
-        f"{name}.seat.restraint",
-        _tie(seat.restraint, seat.mass),
-        deflection={chair: 1.0, vehicle: -1.0},
-        acts_on=None if occupant.coupled else (chair,),
-    )
-
-
 def _lower_network(builder: Builder, scenario: NetworkScenario) -> None:
     bodies = {body.name: builder.body(body.name, mass=body.mass, speed=body.speed) for body in scenario.masses}
     for element in scenario.elements:
@@ -102,11 +75,7 @@ def _lower_network(builder: Builder, scenario: NetworkScenario) -> None:
 def _element(element: Tie | Crush) -> Tied | network.Curve:
     if isinstance(element, Crush):
         return _curve(element)
-    return _TIES[element.law](element.stiffness, element.damping, element.slack)
-
-
-def _tie(restraint: Restraint, mass: Number) -> Tied:
-    return _TIES[restraint.law](restraint.stiffness, restraint.coefficient(mass), restraint.slack)
+    return TIES[element.law](element.stiffness, element.damping, element.slack)
 
 
 def _curves(vehicle: Vehicle) -> tuple[network.Curve, network.Curve]:

@@ -20,14 +20,9 @@ class Piece(Model):
     until: Distance | None = Field(None, description="deflection where the piece ends; the last piece has none")
 
 
-class ForceDeflection(Model):
-    """A force-deflection curve: pieces or points, and how it unloads. It only pushes: no force up to zero deflection.
+class ForceCurve(Model):
+    """A force against a deflection in linear pieces, and how it unloads."""
 
-    The paper's eq. 9 is the case of two pieces. `elastic` comes back along the curve; `plastic` comes back down a line
-    of `unloading_stiffness` to a permanent set, and up the same line on reloading.
-    """
-
-    initial_force: Force | None = Field(None, description="force at first contact, with pieces; 0 if left out")
     pieces: tuple[Piece, ...] | None = Field(None, description="linear pieces, in order of deflection")
     points: tuple[tuple[Deflection, Force], ...] | None = Field(
         None, description="instead of pieces: deflection and force, from deflection 0; constant beyond the last point"
@@ -35,10 +30,10 @@ class ForceDeflection(Model):
     unloading: Literal["elastic", "plastic"] = Field("elastic", description="along the curve, or to a permanent set")
     unloading_stiffness: Stiffness | None = Field(None, description="slope of the plastic unloading line")
 
-    def complete(self) -> None:
-        """Fill in what was left out."""
-        if self.pieces is not None and self.initial_force is None:
-            self._fill(initial_force=0.0)
+    @property
+    def first_force(self) -> Number:
+        """Force where the first piece starts [N]."""
+        return 0.0
 
     def curve(self) -> tuple[tuple[Number, ...], tuple[Number, ...], tuple[Number, ...]]:
         """Where each piece starts [m], the force there [N] and its slope [N/m]."""
@@ -49,7 +44,7 @@ class ForceDeflection(Model):
             ]
             return deflections, forces, (*slopes, 0.0)
         pieces = self.pieces or ()
-        force: Number = 0.0 if self.initial_force is None else self.initial_force
+        force: Number = self.first_force
         start: Number = 0.0
         knots, at_knot = [], []
         for piece in pieces:
@@ -68,6 +63,12 @@ class ForceDeflection(Model):
             given=self.pieces is not None and self.points is not None,
             fix="Give the curve once, by its slopes or by its points.",
         )
+        yield from self._given()
+        yield from self._pieces_in_order()
+        yield from self._points_in_order()
+        yield from self._unloads()
+
+    def _given(self) -> Iterator[Check]:
         given = self.pieces if self.points is None else self.points
         yield Check(
             "pieces" if self.points is None else "points",
@@ -76,9 +77,6 @@ class ForceDeflection(Model):
             "at least one piece",
             'For a single spring write pieces = [{ stiffness = "300 kN/m" }].',
         )
-        yield from self._pieces_in_order()
-        yield from self._points_in_order()
-        yield from self._unloads()
 
     def _pieces_in_order(self) -> Iterator[Check]:
         pieces = self.pieces or ()
@@ -111,12 +109,6 @@ class ForceDeflection(Model):
     def _points_in_order(self) -> Iterator[Check]:
         if self.points is None:
             return
-        yield exclusive(
-            "points",
-            "initial_force",
-            given=self.initial_force is not None,
-            fix="With points, the first one holds the initial force.",
-        )
         first = self.points[0][0]
         yield Check("points.0.0", first == 0.0, first, "the first point at deflection 0 m", "Start the table at 0.", "m")
         for i in range(1, len(self.points)):
@@ -156,6 +148,36 @@ class ForceDeflection(Model):
                 "A softer line would cross the loading curve.",
                 "N/m",
             )
+
+
+class ForceDeflection(ForceCurve):
+    """A force-deflection curve: pieces or points, and how it unloads. It only pushes: no force up to zero deflection.
+
+    The paper's eq. 9 is the case of two pieces. `elastic` comes back along the curve; `plastic` comes back down a line
+    of `unloading_stiffness` to a permanent set, and up the same line on reloading.
+    """
+
+    initial_force: Force | None = Field(None, description="force at first contact, with pieces; 0 if left out")
+
+    def complete(self) -> None:
+        """Fill in what was left out."""
+        if self.pieces is not None and self.initial_force is None:
+            self._fill(initial_force=0.0)
+
+    @property
+    def first_force(self) -> Number:
+        """Force where the first piece starts [N]."""
+        return 0.0 if self.initial_force is None else self.initial_force
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        yield from super().checks()
+        yield exclusive(
+            "points",
+            "initial_force",
+            given=self.points is not None and self.initial_force is not None,
+            fix="With points, the first one holds the initial force.",
+        )
 
 
 class Member(ForceDeflection):

@@ -8,7 +8,7 @@ from typing import Literal
 from pydantic import Field
 
 from ridedown.scenario.bar import Bar
-from ridedown.scenario.base import NOT_YET, Check, Model, without_default
+from ridedown.scenario.base import NOT_YET, Check, Model, unused, without_default
 from ridedown.scenario.occupant import Occupant
 from ridedown.scenario.quantities import Duration
 from ridedown.scenario.vehicle import Vehicle
@@ -116,15 +116,6 @@ class CrashScenario(Description):
                 "There is no vehicle2 here.",
             )
         yield from distinct("occupants", [occupant.name for occupant in self.occupants])
-
-
-def unused(stem: str, taken: set[str]) -> str:
-    """The stem, or the stem with the first number from 2 that is free: adult, adult2, ..."""
-    name, number = stem, 1
-    while name in taken:
-        number += 1
-        name = f"{stem}{number}"
-    return name
 
 
 def distinct(field: str, names: list[str], taken: tuple[str, ...] = ()) -> Iterator[Check]:

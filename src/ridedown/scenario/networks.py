@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from ridedown.scenario.base import Check, Model, Name
+from ridedown.scenario.base import Check, Model, Name, unused
 from ridedown.scenario.member import ForceDeflection
-from ridedown.scenario.model import Description, distinct, unused
+from ridedown.scenario.model import Description, distinct
 from ridedown.scenario.quantities import Damping, Mass, Slack, Stiffness, Velocity
 
 WALL = "wall"

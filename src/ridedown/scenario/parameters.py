@@ -153,29 +153,29 @@ def _places_in(model: Model, path: str, steps: Steps, *, everything: bool) -> It
                     yield f"{where}.{i}.{j}", _Place((*steps, field, i, j), quantity, number)
         elif quantities and not isinstance(value, tuple):
             yield where, _Place((*steps, field), quantities[0], value)
-    for field, part in _parts(model, everything=everything):
-        yield from _places_in(part, _joined(path, field), (*steps, *_steps(field)), everything=everything)
+    for label, way, part in _parts(model, everything=everything):
+        yield from _places_in(part, _joined(path, label), (*steps, *way), everything=everything)
 
 
-def _parts(model: Model, *, everything: bool) -> Iterator[tuple[str, Model]]:
-    """The models inside a model, but not those that `_roots` gives."""
+def _parts(model: Model, *, everything: bool) -> Iterator[tuple[str, Steps, Model]]:
+    """The models inside a model, but not those that `_roots` gives: what each is called in paths, and where it is."""
     if isinstance(model, CrashScenario | NetworkScenario):
         return
     if isinstance(model, Vehicle):
         if model.alike or everything:
-            yield "members", model.right
+            yield "members", ("members",), model.right
         if not model.alike or everything:
-            yield "right", model.right
-            yield "left", model.left
+            yield "right", ("right",), model.right
+            yield "left", ("left",), model.left
         return
     for field in type(model).model_fields:
         value = getattr(model, field)
         if isinstance(value, Model):
-            yield field, value
+            yield field, (field,), value
         elif isinstance(value, tuple):
             for i, item in enumerate(value):
                 if isinstance(item, Model):
-                    yield f"{field}.{i}", item
+                    yield getattr(item, "name", "") or f"{field}.{i}", (field, i), item
 
 
 def _models(scenario: CrashScenario | NetworkScenario) -> Iterator[tuple[str, Model]]:
@@ -183,11 +183,7 @@ def _models(scenario: CrashScenario | NetworkScenario) -> Iterator[tuple[str, Mo
     waiting = [(path, model) for path, _, model in _roots(scenario)]
     for path, model in waiting:
         yield path, model
-        waiting += [(_joined(path, field), part) for field, part in _parts(model, everything=False)]
-
-
-def _steps(field: str) -> Steps:
-    return tuple(int(part) if part.isdigit() else part for part in field.split("."))
+        waiting += [(_joined(path, label), part) for label, _, part in _parts(model, everything=False)]
 
 
 def _joined(path: str, field: str) -> str:

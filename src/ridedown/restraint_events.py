@@ -1,0 +1,89 @@
+"""What happens to a restraint on a reel, a bag or a padded surface, in words."""
+
+from __future__ import annotations
+
+from ridedown.network import Action, Network
+from ridedown.solver.phases import Phases
+
+OPEN = 0
+UNLOADING, CLIPPED, SLIPPING_1, SLIPPING_2, HELD_1, HELD_2, FREE = range(1, 8)
+"""Modes of a restraint after those of its n pieces: n + UNLOADING, and so on; as the solver numbers them."""
+
+_HELD = {HELD_1: 0, HELD_2: 1}
+_SLIPPING = {SLIPPING_1: 0, SLIPPING_2: 1}
+
+
+def timer_event(network: Network, timer: int) -> str:
+    """What a timer does."""
+    action, value = Action(int(network.timer_action[timer])), float(network.timer_value[timer, 0])
+    if action == Action.LOCK:
+        return "retractor locks"
+    if action == Action.STAGE_2:
+        return f"load limiter goes on to stage 2, {_kn(network.limit[1, network.timer_element[timer], 0])}"
+    if action == Action.FILL:
+        return "bag fires" if value > 0.0 else "bag full"
+    return f"pretensioner {1 + action - Action.PULL_1} {'fires' if value > 0.0 else 'has ended'}"
+
+
+def mode_event(network: Network, phases: Phases, e: int, time: float, before: int, after: int, *, belt: bool) -> str:
+    """What a change of mode of restraint e is, empty for one that says nothing; `belt`: it pulls, else it is pressed."""
+    pieces = int(network.piece_start[e + 1] - network.piece_start[e])
+    was, now = before - pieces, after - pieces
+    if now in _SLIPPING or now in _HELD:
+        return _gives(network, e, now)
+    if after == OPEN:
+        return "" if was == FREE else "slack again" if belt else "contact lost"
+    if was in _SLIPPING or was in _HELD:
+        return _holds(network, e, was, rising=_rises(phases, e, time))
+    if CLIPPED in {now, was}:
+        verb = "pull" if belt else "push"
+        return f"damping outweighs the spring: no {verb}" if now == CLIPPED else "pulls again" if belt else "pushes again"
+    if before == OPEN or was == FREE:
+        start = "slack taken up" if belt else "contact"
+        return f"{start} again, on its unloading line" if now == UNLOADING else start
+    return _along_curve(before, after, unloading=pieces + UNLOADING)
+
+
+def _along_curve(before: int, after: int, *, unloading: int) -> str:
+    if after == unloading:
+        return "starts to unload"
+    if before == unloading:
+        return "loads on"
+    return f"on to piece {after}" if after > before else f"back to piece {after}"
+
+
+def _gives(network: Network, e: int, mode: int) -> str:
+    """The reel gives way: a pretensioner stalls, or the limiter slips."""
+    if mode in _HELD:
+        n = _HELD[mode]
+        return f"pretensioner {n + 1} stalls at {_kn(network.stall[n, e, 0])}"
+    stage = _SLIPPING[mode]
+    force = _kn(network.limit[stage, e, 0])
+    return f"load limiter, stage {stage + 1}, {force}" if _two_stages(network, e) else f"load limiter, {force}"
+
+
+def _holds(network: Network, e: int, mode: int, *, rising: bool) -> str:
+    """The reel gives no more: the occupant slows down and the force falls, or it cannot and the force rises."""
+    if mode in _HELD:
+        n = _HELD[mode] + 1
+        return f"belt holds against pretensioner {n}" if rising else f"pretensioner {n} pulls on"
+    if not rising:
+        return "load limiter holds"
+    stage = _SLIPPING[mode]
+    out = f"{1e3 * float(network.payout[stage, e, 0]):.0f} mm let out"
+    last = stage == 1 or not _two_stages(network, e) or network.payout[0, e, 0] == network.payout[1, e, 0]
+    return f"load limiter stops hard, {out}" if last else f"load limiter, end of stage 1, {out}"
+
+
+def _two_stages(network: Network, e: int) -> bool:
+    return bool(network.limit[1, e, 0] < 1e300)
+
+
+def _rises(phases: Phases, e: int, time: float) -> bool:
+    """Whether the force of restraint e rises just after a time."""
+    phase = max(int(phases.start.searchsorted(time, side="right")) - 1, 0)
+    return bool(phases.force[phase, 1, e] > 0.0)
+
+
+def _kn(force: float) -> str:
+    return f"{1e-3 * float(force):.1f} kN"
