@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ridedown import Outcomes, load, simulate, simulate_many
-from ridedown.errors import UnknownName
+from ridedown.errors import InvalidInput, UnknownName
 from ridedown.network import channels
 from ridedown.outcomes import wanted
 from ridedown.scenario import lower, substitute
@@ -105,3 +105,47 @@ def test_a_stopped_crash_keeps_the_outcomes_of_the_part_computed() -> None:
 def test_energy_of_the_start() -> None:
     many = simulate_many(load("example-wall"), {"vehicle1.speed": [10.0, 20.0]})
     np.testing.assert_allclose(many["energy.initial"], 0.5 * 1580.0 * np.array([10.0, 20.0]) ** 2, rtol=1e-14)
+
+
+def test_samples_are_the_response_at_those_times() -> None:
+    scenario, times = load("p1"), np.linspace(0.0, 0.2, 333)
+    names = [
+        "adult.acceleration",
+        "adult.excursion",
+        "child.velocity",
+        "vehicle1.right.force",
+        "child.restraint.deflection_rate",
+    ]
+    speeds = np.linspace(8.0, 14.0, 100)  # more crashes than lanes
+    many = simulate_many(scenario, {"vehicle1.speed": speeds}, outcomes=[], samples=names, times=times)
+    for row in (0, 41, 99):
+        response = simulate(substitute(scenario, {"vehicle1.speed": speeds[row]}))
+        for name in names:
+            scale = abs(response.peak(name).value)
+            np.testing.assert_allclose(many.samples[name][row], response.at(name, times), rtol=0.0, atol=1e-11 * scale)
+
+
+def test_a_sample_at_an_event_is_the_value_just_after_it() -> None:
+    scenario = load("p1")
+    response = simulate(scenario)
+    taken_up = next(event.time for event in response.events if event.who == "adult.restraint")
+    times = [0.0, np.nextafter(taken_up, 0.0), np.nextafter(taken_up, 1.0)]
+    force = simulate_many(scenario, {}, outcomes=[], samples=["adult.restraint.force"], times=times).samples
+    before, after = force["adult.restraint.force"][0, 1:]
+    assert before == 0.0
+    assert after > 100.0  # the damper engages at once
+
+
+@pytest.mark.parametrize(
+    ("samples", "times", "says"),
+    [
+        (["adult.acceleration"], None, "times: got samples without times"),
+        ([], [0.0], "samples: got times without samples"),
+        (["adult.acceleration"], [0.0, 0.3], "need rising times from 0 to 0.2 s"),
+        (["adult.acceleration"], [0.1, 0.1], "need rising times"),
+        (["adult.aceleration"], [0.1], "Did you mean"),
+    ],
+)
+def test_samples_that_cannot_be(samples: list[str], times: list[float] | None, says: str) -> None:
+    with pytest.raises((InvalidInput, UnknownName), match=says):
+        simulate_many(load("p1"), {}, samples=samples, times=times)

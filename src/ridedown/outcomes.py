@@ -5,6 +5,8 @@
 <body>.displacement.final, <body>.velocity.final               at the end
 <element>.absorbed      work done on an element [J]            <element>.residual    permanent set of a plastic curve [m]
 energy.initial, energy.final                                   kinetic energy of all bodies [J]
+
+Channels can be sampled at given times besides.
 """
 
 from __future__ import annotations
@@ -13,10 +15,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ridedown.errors import UnknownName
+from ridedown.errors import InvalidInput, UnknownName
 from ridedown.network import Channel, Family, Law, Network, channels
+from ridedown.network.channels import find
 from ridedown.network.model import Floats, Ints
 from ridedown.solver.solve import Solved, tracked
 from ridedown.solver.workspace import Tracked
@@ -36,6 +39,8 @@ class Wanted:
     tracked_names: tuple[str, ...]  # "<channel>.<sense>" of each tracked quantity
     channels: Mapping[str, Channel]
     needs_work: bool
+    sampled: tuple[str, ...]
+    sample_time: Floats  # (T,) s
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +55,8 @@ class Outcomes(Mapping[str, Floats]):
     """Shape (R,): time reached [s]; the duration, where completed."""
     steps: Ints
     """Shape (R,): steps that the solver took."""
+    samples: dict[str, Floats]
+    """Channels to their values, shape (R, T), at the times asked for; NaN from where a crash stopped."""
 
     @classmethod
     def empty(cls, plan: Wanted, rows: int) -> Outcomes:
@@ -60,6 +67,7 @@ class Outcomes(Mapping[str, Floats]):
             np.full(rows, -1, dtype=np.int64),
             np.zeros(rows),
             np.zeros(rows, dtype=np.int64),
+            {name: np.empty((rows, plan.sample_time.size)) for name in plan.sampled},
         )
 
     def fill(self, rows: slice, plan: Wanted, network: Network, solved: Solved) -> None:
@@ -69,6 +77,8 @@ class Outcomes(Mapping[str, Floats]):
         self.status[rows] = solved.stop
         self.time[rows] = solved.time
         self.steps[rows] = solved.steps
+        for name, values in zip(plan.sampled, solved.samples, strict=True):
+            self.samples[name][rows] = values.T
 
     @property
     def completed(self) -> NDArray[np.bool_]:
@@ -94,10 +104,19 @@ class Outcomes(Mapping[str, Floats]):
         return len(self.columns)
 
 
-def wanted(network: Network, names: Sequence[str] | None, further: Mapping[str, Channel] | None = None) -> Wanted:
-    """What the solver must keep for the outcomes of these names; `further` are channels that the network itself has not.
+def wanted(
+    network: Network,
+    names: Sequence[str] | None,
+    sampled: Sequence[str] = (),
+    times: ArrayLike | None = None,
+    *,
+    further: Mapping[str, Channel] | None = None,
+) -> Wanted:
+    """What the solver must keep for the outcomes of these names, and for channels sampled at `times` [s].
 
-    Raises: UnknownName, with the nearest.
+    further: channels that the network itself has not.
+
+    Raises: UnknownName, with the nearest; InvalidInput for times that do not rise, or lie outside the crash.
     """
     every = {**channels(network), **(further or {})}
     if names is None:
@@ -108,14 +127,28 @@ def wanted(network: Network, names: Sequence[str] | None, further: Mapping[str, 
             raise UnknownName.among("outcome", name, known)
     keys = dict.fromkeys(key for key in (_tracked_key(name) for name in names) if key is not None)
     quantities = [(every[key.rsplit(".", 1)[0]], _SENSES[key.rsplit(".", 1)[1]]) for key in keys]
+    grid = _sample_times(network, sampled, times)
     return Wanted(
         names=tuple(names),
         units=tuple(known[name] for name in names),
-        tracked=tracked(quantities),
+        tracked=tracked(quantities, [find(every, name) for name in sampled], grid),
         tracked_names=tuple(keys),
         channels=every,
         needs_work=any(name.endswith(".absorbed") for name in names),
+        sampled=tuple(sampled),
+        sample_time=grid,
     )
+
+
+def _sample_times(network: Network, sampled: Sequence[str], times: ArrayLike | None) -> Floats:
+    grid = np.zeros(0) if times is None else np.asarray(times, dtype=np.float64)
+    if (times is None) != (not sampled):
+        got, need = ("samples without times", "times") if times is None else ("times without samples", "samples")
+        raise InvalidInput(f"{need}: got {got}; need both or neither. Name the channels, and say when.")
+    end = float(network.duration.min())
+    if grid.ndim != 1 or not (np.diff(grid) > 0.0).all() or (grid.size and not 0.0 <= grid[0] <= grid[-1] <= end):
+        raise InvalidInput(f"times: got {times!r}; need rising times from 0 to {end:g} s. Sample within the crash.")
+    return grid
 
 
 def _tracked_key(name: str) -> str | None:

@@ -48,18 +48,21 @@ def simulate_many(
     table: Mapping[str, ArrayLike],
     *,
     outcomes: Sequence[str] | None = None,
+    samples: Sequence[str] = (),
+    times: ArrayLike | None = None,
     threads: int | None = None,
 ) -> Outcomes:
     """Solve a scenario once for every row of a table of parameters.
 
     table: parameter paths (see `ridedown.scenario.parameters`) to columns of one length, SI units; a single number holds for
-    all rows. outcomes: names as `Outcomes` explains; a useful choice if left out. threads: as many as the machine has cores if
-    left out; the results do not depend on it.
+    all rows. outcomes: names as `Outcomes` explains; a useful choice if left out. samples: names of channels to be sampled at
+    `times` (T,) [s], which rise; at an event, the value just after it. threads: as many as the machine has cores if left out;
+    the results do not depend on it.
 
     Returns: the outcomes, a column each, in the order of the rows, with a status per row: a crash that could not be solved to
     its end keeps the outcomes of the part computed, and its status says why.
 
-    Raises: UnknownName for a path or an outcome that does not exist; InvalidInput for a value that may not be.
+    Raises: UnknownName for a path, an outcome or a channel that does not exist; InvalidInput for a value that may not be.
 
     >>> from ridedown import load, simulate_many
     >>> crash = load("p1")
@@ -70,7 +73,7 @@ def simulate_many(
     columns, rows = _columns(table)
     workers = _workers(threads)
     network = lower(scenario)
-    plan = wanted(network, outcomes, total_forces(getattr(scenario, "occupants", ()), network))
+    plan = wanted(network, outcomes, samples, times, further=total_forces(getattr(scenario, "occupants", ()), network))
     substitute(scenario, columns)  # the whole table is judged before the first crash is solved
     result = Outcomes.empty(plan, rows)
     starts = range(0, rows, _CHUNK)

@@ -1,4 +1,4 @@
-"""Exact extremes of tracked quantities: from each step's polynomial, not from samples.
+"""Exact extremes of tracked quantities, from each step's polynomial; and samples of others at times given.
 
 The ends of the step count, and where some point between could go beyond them, the polynomial is searched. Most of those turn
 once, from rising to falling: Newton's method finds the tops of all of them side by side. The rest go to Bernstein
@@ -19,15 +19,22 @@ from ridedown.solver.vector import WIDTH, first_lane, lanes_of, load, store, whe
 POSITION, RATE, ACCELERATION, DEFLECTION, DEFLECTION_RATE, FORCE = (int(family) for family in Family)
 
 
+SAMPLED = 2
+"""In place of a sense: the quantity is sampled."""
+
 _ORDER = np.arange(DEGREE + 1.0)
 
 
 @part
 def track_all(
     lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, series,
-    time, step, power, extreme, falling, owner, poly, room,
+    time, step, power, extreme, falling, owner, poly, room, crash, until, sample_time, sampled, samples,
 ):  # fmt: skip
-    """Raise every tracked extreme by what this step holds. `falling` and `owner` are room for polynomials solved together."""
+    """Raise every tracked extreme by what this step holds, and take the samples that lie in it.
+
+    `falling` and `owner` are room for polynomials solved together; `sampled` says how many samples a lane has.
+    """
+    taken = 0
     for k in range(tracked_sense.size):
         first = tracked_start[k]
         family, base = tracked_family[first], at(tracked_index[first], 0)
@@ -42,7 +49,38 @@ def track_all(
         if not alone or family in (RATE, DEFLECTION_RATE):
             _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series)
             source, base = series, 0
+        if tracked_sense[k] == SAMPLED:
+            _sample(lanes, source, base, taken, crash, until, time, step, sample_time, sampled, samples)
+            taken += 1
+            continue
         _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, falling, owner, poly, room)
+    if taken > 0:
+        for l in range(lanes):
+            if crash[l] >= 0:
+                sampled[l] = _sampled_by(l, until, time, step, sample_time, sampled)
+
+
+@part
+def _sampled_by(l, until, time, step, sample_time, sampled):
+    """How many samples lane l has after this step. One at an event counts to the step after it."""
+    n, end = sampled[l], time[l] + step[l]
+    while n < sample_time.size and step[l] > 0.0 and (sample_time[n] < end or end >= until[l] >= sample_time[n]):
+        n += 1
+    return n
+
+
+@part
+def _sample(lanes, source, base, number, crash, until, time, step, sample_time, sampled, samples):
+    """Samples of a quantity, whose series has its row of order 0 at `base` in `source`, at the times in this step."""
+    for l in range(lanes):
+        if crash[l] < 0:
+            continue
+        for n in range(sampled[l], _sampled_by(l, until, time, step, sample_time, sampled)):
+            t = sample_time[n] - time[l]
+            value = source[base + row(DEGREE) + l]
+            for j in range(DEGREE - 1, -1, -1):
+                value = value * t + source[base + row(j) + l]
+            samples[number, n, crash[l]] = value
 
 
 @part

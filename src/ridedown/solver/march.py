@@ -112,7 +112,7 @@ def march(s, x, w, out, record, tolerance, with_work):
     tan, sec2, turn, moment = w.tan, w.sec2, w.turn, w.moment
     inverse_inertia, scale, mode, line, guard, memory = w.inverse_inertia, w.scale, w.mode, w.line, w.guard, w.memory
     event, pending, pending_count, falling, owner = w.event, w.pending, w.pending_count, w.falling, w.owner
-    extreme, work, lane_series, poly, room = w.extreme, w.work, w.series, w.poly, w.room
+    extreme, sampled, work, lane_series, poly, room = w.extreme, w.sampled, w.work, w.series, w.poly, w.room
     tracked_start, tracked_family, tracked_index = s.tracked_start, s.tracked_family, s.tracked_index
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
@@ -131,7 +131,7 @@ def march(s, x, w, out, record, tolerance, with_work):
             if crash[l] == NO_CRASH and taken < duration.size:
                 _load(
                     l, taken, x.inertia, x.rate, x.arm, duration, x.timer_time, timed, crash, until, pause, time, last, steps,
-                    idle, q, inverse_inertia, scale, arm, timer, piece,
+                    idle, q, inverse_inertia, scale, arm, timer, piece, sampled,
                 )  # fmt: skip
                 _open(
                     l, taken, law, piece_start, coefficients, pieces, second_pair, s.free, empty, line, guard, memory, mode,
@@ -195,7 +195,7 @@ def march(s, x, w, out, record, tolerance, with_work):
         _powers(lanes, step, power)
         extremes.track_all(
             lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, lane_series,
-            time, step, power, extreme, falling, owner, poly, room,
+            time, step, power, extreme, falling, owner, poly, room, crash, until, s.sample_time, sampled, out.samples,
         )  # fmt: skip
         if with_work:
             _add_work(lanes, law.size, step, d, f, work)
@@ -227,13 +227,14 @@ def march(s, x, w, out, record, tolerance, with_work):
 @part
 def _load(
     l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
-    inverse_inertia, scale, arm, timer, piece,
+    inverse_inertia, scale, arm, timer, piece, sampled,
 ):  # fmt: skip
     """Put a crash into lane l, at its start."""
     crash[l] = number
     until[l] = duration[number]
     pause[l] = 0.0 if timed else until[l]
     piece[l] = -1
+    sampled[l] = 0
     for t in range(timer_time.shape[0]):
         timer[row(t) + l] = timer_time[t, number]
     time[l] = 0.0

@@ -10,6 +10,7 @@ import numpy as np
 from ridedown.network import Channel, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import workspace
+from ridedown.solver.extremes import SAMPLED
 from ridedown.solver.march import Stop, march
 from ridedown.solver.phases import Phases, phases_of
 
@@ -24,6 +25,7 @@ _NOTHING = workspace.Tracked(
     item=np.zeros(0, dtype=np.int64),
     weight=np.zeros(0),
     sense=np.zeros(0, dtype=np.int64),
+    sample_time=np.zeros(0),
 )
 
 
@@ -42,10 +44,17 @@ class Solved:
     work: Floats
     best: Floats
     best_time: Floats
+    samples: Floats
 
 
-def tracked(quantities: Sequence[tuple[Channel, int]]) -> workspace.Tracked:
-    """The quantities whose extremes are wanted, each a channel and a sense: +1 largest, -1 smallest, 0 largest magnitude."""
+def tracked(
+    quantities: Sequence[tuple[Channel, int]], sampled: Sequence[Channel] = (), times: Floats = _NOTHING.sample_time
+) -> workspace.Tracked:
+    """The quantities whose extremes are wanted, each a channel and a sense: +1 largest, -1 smallest, 0 largest magnitude.
+
+    And the channels to be sampled at `times` (T,) [s], which rise.
+    """
+    quantities = [*quantities, *((channel, SAMPLED) for channel in sampled)]
     terms = [term for channel, _ in quantities for term in channel.terms]
     return workspace.Tracked(
         start=np.cumsum([0, *(len(channel.terms) for channel, _ in quantities)], dtype=np.int64),
@@ -53,6 +62,7 @@ def tracked(quantities: Sequence[tuple[Channel, int]]) -> workspace.Tracked:
         item=np.array([index for _, index, _ in terms], dtype=np.int64),
         weight=np.array([weight for _, _, weight in terms], dtype=np.float64),
         sense=np.array([sense for _, sense in quantities], dtype=np.int64),
+        sample_time=times,
     )
 
 
@@ -62,7 +72,7 @@ def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, wo
     `work`: also integrate the work done on each element.
     """
     count = quantities.sense.size
-    results = workspace.results_for(network, count)
+    results = workspace.results_for(network, quantities)
     march(
         workspace.structure_of(network, quantities),
         workspace.numbers_of(network),
@@ -79,7 +89,7 @@ def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, wo
 def solve_one(network: Network) -> tuple[Phases, Stop]:
     """Solve the one crash of a network, keeping its phases."""
     structure, numbers = workspace.structure_of(network, _NOTHING), workspace.numbers_of(network)
-    results, lanes = workspace.results_for(network, 0), workspace.lanes_for(network, 0)
+    results, lanes = workspace.results_for(network, _NOTHING), workspace.lanes_for(network, 0)
     capacity = _CAPACITY
     while True:
         record = workspace.record_for(network, capacity)

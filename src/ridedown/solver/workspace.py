@@ -17,6 +17,7 @@ import numpy as np
 from ridedown.network import Law, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import events, together
+from ridedown.solver.extremes import SAMPLED
 from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, MEMORY_ROWS, ORDERS, STRIDE
 from ridedown.solver.polynomial import WORK_SHAPE
 from ridedown.solver.vector import WIDTH
@@ -51,7 +52,8 @@ class Structure(NamedTuple):
     tracked_family: Ints  # of each term: a Family
     tracked_index: Ints
     tracked_weight: Floats
-    tracked_sense: Ints  # (k,) +1 largest, -1 smallest, 0 largest magnitude
+    tracked_sense: Ints  # (k,) +1 largest, -1 smallest, 0 largest magnitude, 2 sampled
+    sample_time: Floats  # (T,) s, rising
 
 
 class Numbers(NamedTuple):
@@ -111,6 +113,7 @@ class Lanes(NamedTuple):
     pending: Ints  # guards found negative at the start of the step, pending_count of them
     pending_count: Ints
     extreme: Floats
+    sampled: Ints  # how many samples are taken
     # room to work in
     falling: Floats  # polynomials to be solved together, a column each
     owner: Ints  # and two numbers for each: whose it is
@@ -126,7 +129,8 @@ class Tracked(NamedTuple):
     family: Ints
     item: Ints
     weight: Floats
-    sense: Ints  # (k,) +1 largest, -1 smallest, 0 largest magnitude
+    sense: Ints  # (k,) +1 largest, -1 smallest, 0 largest magnitude, 2 sampled
+    sample_time: Floats  # (T,) s, rising
 
 
 class Results(NamedTuple):
@@ -143,6 +147,7 @@ class Results(NamedTuple):
     work: Floats  # (e, R) done on each element, if asked for
     best: Floats  # (k, R) extremes tracked
     best_time: Floats
+    samples: Floats  # (s, T, R) of the sampled quantities; NaN where a crash stopped before
 
 
 class Record(NamedTuple):
@@ -202,6 +207,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         pending=whole(2 * pairs),
         pending_count=whole(1),
         extreme=floats(tracked * EXTREME_ROWS),
+        sampled=whole(1),
         falling=floats(together.ROWS),
         owner=whole(2),
         series=floats(ORDERS),
@@ -210,9 +216,10 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
     )
 
 
-def results_for(network: Network, tracked: int) -> Results:
+def results_for(network: Network, tracked: Tracked) -> Results:
     """Room for the results of every crash of the network's columns."""
-    n, m, rows = len(network.coordinates), len(network.elements), network.size
+    n, m, rows, count = len(network.coordinates), len(network.elements), network.size, tracked.sense.size
+    sampled = int((tracked.sense == SAMPLED).sum())
     return Results(
         stop=np.full(rows, -1, dtype=np.int64),
         time=np.zeros(rows),
@@ -223,8 +230,9 @@ def results_for(network: Network, tracked: int) -> Results:
         reel=np.zeros((m, rows)),
         payout=np.zeros((m, rows)),
         work=np.zeros((m, rows)),
-        best=np.zeros((tracked, rows)),
-        best_time=np.zeros((tracked, rows)),
+        best=np.zeros((count, rows)),
+        best_time=np.zeros((count, rows)),
+        samples=np.full((sampled, tracked.sample_time.size, rows), np.nan),
     )
 
 
@@ -280,6 +288,7 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         tracked_index=tracked.item,
         tracked_weight=tracked.weight,
         tracked_sense=tracked.sense,
+        sample_time=tracked.sample_time,
     )
 
 

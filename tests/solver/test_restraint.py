@@ -1,0 +1,297 @@
+"""The restraint law: closed forms, limits in which it is another law, and its reel, limiter, pretensioners and fill."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ridedown.network import Action, Curve, KelvinVoigt, Restraint, Timer, channels
+from ridedown.solver.march import Stop
+from ridedown.solver.solve import solve_many, tracked
+from tests.solver.sleds import CAR, MASS, Solved, constant, points, sled, spring
+
+TIMES = np.linspace(0.0, 0.2, 401)
+
+
+def assert_same(one: Solved, other: Solved, *, rtol: float = 1e-11) -> None:
+    for channel in ("driver.acceleration", "driver.excursion", "driver.0.force"):
+        expected = other.at(channel, TIMES)
+        np.testing.assert_allclose(one.at(channel, TIMES), expected, rtol=0.0, atol=rtol * np.abs(expected).max())
+
+
+# limits in which it is another law
+
+
+def test_one_piece_with_damping_is_kelvin_voigt() -> None:
+    plain = Solved(sled(KelvinVoigt(80e3, 800.0, 0.02)))
+    assert_same(Solved(sled(spring(80e3, damping=800.0, slack=0.02))), plain)
+    assert 2 in dict(plain.changes).values()  # it clips
+
+
+@pytest.mark.parametrize("unloading", [None, 500e3])
+def test_undamped_pieces_are_a_curve(unloading: float | None) -> None:
+    knots, forces, slopes = (0.0, 0.05, 0.12), (500.0, 2000.0, 9000.0), (30e3, 100e3, 20e3)
+    bouncing = points([0.0, 0.04, 0.0401, 0.08, 0.12, 0.121], [-200.0, -200.0, 150.0, 150.0, -350.0, 0.0])
+    curve = Solved(sled(Curve(knots, forces, slopes, unloading), pulse=bouncing))
+    restraint = Solved(sled(Restraint(knots, forces, slopes, unloading=unloading), pulse=bouncing))
+    assert len(curve.changes) >= 5
+    assert_same(restraint, curve)
+
+
+def test_many_at_once_are_the_same_as_one() -> None:
+    slack = np.linspace(0.0, 0.1, 150)
+    everything = _everything(slack)
+    network = sled(everything)
+    channel = channels(network)["driver.0.force"]
+    solved = solve_many(network, tracked([(channel, 1)]))
+    assert (solved.stop == Stop.COMPLETED).all()
+    for row in (0, 70, 149):
+        alone = Solved(sled(_everything(float(slack[row]))))
+        assert solved.best[0, row] == pytest.approx(alone.largest("driver.0.force")[0], rel=1e-12)
+        assert solved.payout[0, row] == pytest.approx(alone.phases.payout[0], rel=1e-10, abs=1e-15)
+
+
+def _everything(slack: Any) -> Restraint:
+    return Restraint(
+        (0.0, 0.03),
+        (0.0, 2000.0),
+        (60e3, 120e3),
+        slack=slack,
+        damping=200.0,
+        unloading=300e3,
+        limits=(5000.0, 3000.0),
+        payouts=(0.05, 0.2),
+        stalls=(2000.0, 1500.0),
+        free=True,
+        timers=(
+            Timer(Action.LOCK, 0.008),
+            *_pull(Action.PULL_1, 0.012, 0.010, 0.10),
+            *_pull(Action.PULL_2, 0.016, 0.010, 0.05),
+        ),
+    )
+
+
+def _pull(action: Action, fire: float, duration: float, length: float) -> tuple[Timer, Timer]:
+    return Timer(action, fire, length / duration), Timer(action, fire + duration, 0.0)
+
+
+# closed forms
+
+
+def test_constant_deceleration_with_slack() -> None:
+    """A mass flies free over the slack s at a deceleration a, then swings about the spring's rest under it.
+
+    k x = m a (1 + sqrt(1 + 2 k s / (m a))) at the top: from m x'' = m a - k x, x(0) = 0, x'(0)^2 = 2 a s.
+    """
+    a, k, s = 200.0, 60e3, 0.04
+    solved = Solved(sled(spring(k, slack=s), pulse=constant(a)))
+    stretch = MASS * a / k * (1.0 + np.sqrt(1.0 + 2.0 * k * s / (MASS * a)))
+    force, when = solved.largest("driver.0.force")
+    assert solved.times[0] == pytest.approx(np.sqrt(2.0 * s / a), rel=1e-13)
+    assert force == pytest.approx(k * stretch, rel=1e-11)
+    omega = np.sqrt(k / MASS)
+    turn = np.arctan2(np.sqrt(2.0 * a * s) * omega, -a) / omega
+    assert when == pytest.approx(np.sqrt(2.0 * s / a) + turn, rel=1e-8)
+
+
+def test_constant_force_limiter() -> None:
+    """From the force F on, the excursion grows at a - F / m, until the mass has the car's speed again."""
+    a, k, limit = 200.0, 60e3, 25e3
+    solved = Solved(sled(spring(k, limits=(limit, np.inf)), pulse=constant(a)))
+    omega, rest = np.sqrt(k / MASS), MASS * a / k
+    slip = np.arccos(1.0 - limit / (k * rest)) / omega  # k rest (1 - cos(omega t)) = F
+    speed = rest * omega * np.sin(omega * slip)
+    brake = limit / MASS - a
+    payout = 0.5 * speed**2 / brake
+    assert solved.changes[:3] == [(0, 1), (1, 4), (4, 1)]
+    assert solved.times[1] == pytest.approx(slip, rel=1e-12)
+    assert solved.times[2] == pytest.approx(slip + speed / brake, rel=1e-12)
+    assert solved.largest("driver.excursion")[0] == pytest.approx(limit / k + payout, rel=1e-12)
+    assert solved.phases.payout[0] == pytest.approx(payout, rel=1e-12)
+    assert solved.phases.reel[0] == pytest.approx(-payout, rel=1e-12)
+
+
+def test_a_pretensioner_that_removes_exactly_the_slack() -> None:
+    """It fires and is done before the car brakes: from then on the belt is one without slack."""
+    late = points([0.0, 0.01, 0.01 + 1e-12], [0.0, 0.0, -200.0])
+    slack = 0.06
+    tightened = Solved(sled(spring(60e3, slack=slack, timers=_pull(Action.PULL_1, 0.002, 0.006, slack)), pulse=late))
+    tight = Solved(sled(spring(60e3), pulse=late))
+    for channel in ("driver.excursion", "driver.0.force"):
+        expected = tight.at(channel, TIMES)
+        np.testing.assert_allclose(tightened.at(channel, TIMES), expected, rtol=0.0, atol=1e-11 * expected.max())
+    assert tightened.phases.reel[0] == pytest.approx(slack, rel=1e-14)
+
+
+def test_a_pretensioner_pulls_a_mass_back_until_it_stalls() -> None:
+    """In a car at rest it draws the occupant into the seat: at its stall force, m x'' = -F."""
+    still = constant(0.0)
+    stall, stiffness, length, duration = 1500.0, 200e3, 0.2, 0.01
+    law = spring(stiffness, stalls=(stall, np.inf), timers=_pull(Action.PULL_1, 0.0, duration, length))
+    solved = Solved(sled(law, pulse=still, duration=0.009))
+    assert solved.changes[:3] == [(-1, 0), (0, 1), (1, 6)]
+    held = solved.times[2]
+    force = solved.at("driver.0.force", np.linspace(held, 0.009, 20))
+    np.testing.assert_allclose(force, stall, rtol=1e-13)
+    late = np.linspace(held, 0.009, 20)
+    x0, v0 = solved.at("driver.excursion", held), solved.at("driver.excursion_velocity", held)
+    expected = x0 + v0 * (late - held) - 0.5 * stall / MASS * (late - held) ** 2
+    np.testing.assert_allclose(solved.at("driver.excursion", late), expected, rtol=1e-12, atol=1e-15)
+
+
+def test_a_bag_that_is_full_before_it_is_met_is_a_spring_with_a_gap() -> None:
+    timers = (Timer(Action.FILL, 0.001, 1.0 / 0.004), Timer(Action.FILL, 0.005, 0.0))
+    bag = Solved(sled(spring(70e3, slack=0.08, damping=400.0, unloading=300e3, empty=True, timers=timers)))
+    spring_ = Solved(sled(spring(70e3, slack=0.08, damping=400.0, unloading=300e3)))
+    assert_same(bag, spring_)
+
+
+def test_a_bag_pushes_as_much_as_it_is_full() -> None:
+    fire, fill = 0.03, 0.05
+    timers = (Timer(Action.FILL, fire, 1.0 / fill), Timer(Action.FILL, fire + fill, 0.0))
+    solved = Solved(sled(spring(70e3, slack=0.01, damping=400.0, empty=True, timers=timers)))
+    share = np.clip((TIMES - fire) / fill, 0.0, 1.0)
+    line = 70e3 * (solved.at("driver.0.deflection", TIMES) - 0.01) + 400.0 * solved.at("driver.0.deflection_rate", TIMES)
+    touching = solved.at("driver.0.deflection", TIMES) > 0.01
+    expected = np.where(touching, np.maximum(share * line, 0.0), 0.0)
+    np.testing.assert_allclose(solved.at("driver.0.force", TIMES), expected, rtol=1e-9, atol=1e-9 * expected.max())
+    assert expected.max() > 1e3
+
+
+# the reel
+
+
+def test_a_free_reel_gives_and_takes_until_it_locks() -> None:
+    law = spring(60e3, slack=0.01, free=True, timers=(Timer(Action.LOCK, 0.04),))
+    solved = Solved(sled(law))
+    locked_at = solved.at("driver.excursion", 0.04)
+    assert locked_at > 0.01
+    assert not solved.at("driver.0.force", np.linspace(0.0, 0.04, 50)).any()
+    later = np.linspace(0.0401, 0.1, 50)
+    stretch = np.maximum(solved.at("driver.excursion", later) - locked_at, 0.0)
+    np.testing.assert_allclose(solved.at("driver.0.force", later), 60e3 * stretch, rtol=1e-12)
+    assert solved.phases.reel[0] == pytest.approx(0.01 - locked_at, rel=1e-13)
+
+
+def test_a_reel_that_locks_before_the_slack_is_gone_changes_nothing() -> None:
+    law = spring(60e3, slack=0.05, free=True, timers=(Timer(Action.LOCK, 0.01),))
+    assert_same(Solved(sled(law)), Solved(sled(spring(60e3, slack=0.05))))
+
+
+@pytest.mark.parametrize(("second", "by_time"), [(6000.0, False), (2500.0, False), (6000.0, True), (2500.0, True)])
+def test_two_stages(second: float, by_time: bool) -> None:
+    switch = 0.055
+    law = spring(
+        80e3,
+        limits=(4000.0, second),
+        payouts=(np.inf if by_time else 0.08, np.inf),
+        timers=(Timer(Action.STAGE_2, switch),) if by_time else (),
+    )
+    solved = Solved(sled(law))
+    force = solved.at("driver.0.force", TIMES)
+    changes = list(zip(solved.times, solved.changes, strict=True))
+    begin = next(t for t, (_, after) in changes if after == 4)
+    end = switch if by_time else next(t for t, (before, _) in changes if before == 4)
+    then = next(t for t, (_, after) in changes if after == 5)
+    assert begin < end <= then
+    np.testing.assert_allclose(force[(begin < TIMES) & (end > TIMES)], 4000.0, rtol=1e-12)
+    assert solved.at("driver.0.force", then + 1e-6) == pytest.approx(second, rel=1e-9)
+    assert force.max() == pytest.approx(max(4000.0, second), rel=1e-12)
+
+
+def test_a_hard_stop_when_all_is_let_out() -> None:
+    law = spring(80e3, limits=(4000.0, 5000.0), payouts=(0.05, 0.12), damping=100.0)
+    solved = Solved(sled(law))
+    assert solved.phases.payout[0] == pytest.approx(0.12, rel=1e-12)
+    late = np.linspace(0.08, 0.12, 30)
+    stretch = solved.at("driver.excursion", late) - 0.12
+    expected = 80e3 * stretch + 100.0 * solved.at("driver.excursion_velocity", late)
+    np.testing.assert_allclose(solved.at("driver.0.force", late), expected, rtol=1e-10)
+    assert expected.max() > 5000.0
+
+
+def test_the_belt_never_gives_more_than_its_limit_whatever_its_damper() -> None:
+    for damping in (0.0, 300.0, 3000.0):
+        solved = Solved(sled(spring(80e3, limits=(5000.0, np.inf), damping=damping, unloading=400e3)))
+        assert solved.largest("driver.0.force")[0] == pytest.approx(5000.0, rel=1e-12)
+        assert solved.stop == Stop.COMPLETED
+
+
+def test_two_pretensioners_stall_one_after_the_other() -> None:
+    """The weaker holds the belt at its own force while the stronger is still to come, which then pulls it on to its own."""
+    law = spring(
+        100e3,
+        stalls=(2500.0, 1200.0),
+        timers=(*_pull(Action.PULL_1, 0.004, 0.03, 0.15), *_pull(Action.PULL_2, 0.001, 0.03, 0.15)),
+    )
+    solved = Solved(sled(law, pulse=constant(5.0), duration=0.034))
+    held = [after for _, after in solved.changes if after in (6, 7)]
+    assert [mode for n, mode in enumerate(held) if mode not in held[:n]] == [7, 6]
+    force = solved.at("driver.0.force", np.linspace(0.0, 0.0339, 2000))
+    assert force.max() == pytest.approx(2500.0, rel=1e-12)
+    plateau = np.isclose(force, 1200.0, rtol=1e-12).sum()
+    assert plateau > 20
+
+
+def test_random_belts_agree_with_small_steps() -> None:
+    """Against the reel moved by hand, a microsecond at a time: return mapping on the force, undamped."""
+    rng = np.random.default_rng(4)
+    for _ in range(6):
+        slack, stiffness = rng.uniform(0.0, 0.08), rng.uniform(40e3, 150e3)
+        stalls = rng.uniform(800.0, 2500.0, 2)
+        limit, most = rng.uniform(2600.0, 8000.0), rng.uniform(0.05, 0.3)
+        fire, pull_in, lock = rng.uniform(0.008, 0.03, 2), rng.uniform(0.02, 0.12, 2), rng.uniform(0.0, 0.008)
+        law = spring(
+            stiffness,
+            slack=slack,
+            limits=(limit, np.inf),
+            payouts=(most, np.inf),
+            stalls=(stalls[0], stalls[1]),
+            free=True,
+            timers=(
+                Timer(Action.LOCK, lock),
+                *_pull(Action.PULL_1, fire[0], 0.01, pull_in[0]),
+                *_pull(Action.PULL_2, fire[1], 0.01, pull_in[1]),
+            ),
+        )
+        solved = Solved(sled(law))
+        excursion, payout = _by_small_steps(slack, stiffness, stalls, limit, most, fire, pull_in, lock)
+        assert solved.largest("driver.excursion")[0] == pytest.approx(excursion, rel=2e-4)
+        assert solved.phases.payout[0] == pytest.approx(payout, abs=2e-4)
+
+
+def _by_small_steps(
+    slack: float,
+    stiffness: float,
+    stalls: np.ndarray,
+    limit: float,
+    most: float,
+    fire: np.ndarray,
+    pull_in: np.ndarray,
+    lock: float,
+) -> tuple[float, float]:
+    step = 2e-6
+    car = np.interp((np.arange(int(0.2 / step)) + 0.5) * step, CAR.start, CAR.series[:, 0])
+    x = v = reel = payout = top = 0.0
+    locked = False
+    for n, braking in enumerate(car):
+        t = n * step
+        if t >= lock and not locked:
+            locked, reel = True, min(slack - x, 0.0)
+        force = 0.0
+        if locked:
+            for begin, length, stall in zip(fire, pull_in, stalls, strict=True):
+                if begin <= t < begin + 0.01:
+                    room = (stall / stiffness) - max(x - slack + reel, 0.0) if x - slack + reel > 0.0 else np.inf
+                    reel += min(length / 0.01 * step, max(room, 0.0))
+            force = stiffness * max(x - slack + reel, 0.0)
+            if force > limit and payout < most:
+                out = min((force - limit) / stiffness, most - payout)
+                reel, payout = reel - out, payout + out
+                force = stiffness * max(x - slack + reel, 0.0)
+        v += (-force / MASS - braking) * step
+        x += v * step
+        top = max(top, x)
+    return top, payout
