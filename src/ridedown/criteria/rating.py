@@ -1,7 +1,6 @@
 """How well one curve agrees with another: the rating of ISO/TS 18571, from 0 to 1.
 
-The rating itself is the package objective-rating-metrics of the Vehicle Safety Institute, Graz University of Technology; here
-the two curves are brought onto the standard's grid and checked, and its four parts are named.
+Here the two curves are brought onto the standard's grid and checked, and its four scores weighed; `agreement` computes them.
 """
 
 from __future__ import annotations
@@ -13,15 +12,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ridedown.criteria.agreement import agreement
 from ridedown.criteria.checks import Floats, number, signal
 from ridedown.errors import InvalidInput
 
 INTERVAL = 1e-4
 """s, between samples: the standard's parameters hold for 10 kHz."""
 
-SHORTEST, LONGEST = 0.010, 0.5
+SHORTEST, LONGEST = 0.010, 2.0
 """s, of the interval that is rated. Shorter than 10 ms the smoothing of the slopes, nine samples, reaches over a tenth of it.
-The memory for the time warping grows as the square of the length: 0.3 s take 0.6 GB, 0.5 s take 1 GB (measured)."""
+The time to search shift and warping grows as the square of the length: 3 ms for 0.15 s, half a second for 2 s."""
 
 GRADES = ((0.94, "excellent"), (0.80, "good"), (0.58, "fair"), (0.0, "poor"))
 """A rating above the number has the grade; one of 0 is poor."""
@@ -41,7 +41,10 @@ class Curve(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Rating:
-    """The rating and its four parts, each from 0 to 1, the grade in words, and the interval [s] that was compared."""
+    """The rating and its four parts, each from 0 to 1, the grade in words, and the interval [s] that was compared.
+
+    shift: how much later than the reference the candidate is where they correlate best [s]; negative where it is early.
+    """
 
     value: float
     corridor: float
@@ -51,6 +54,7 @@ class Rating:
     grade: str
     start: float
     end: float
+    shift: float
 
 
 def rating(
@@ -77,11 +81,16 @@ def rating(
     >>> same.value, same.grade
     (1.0, 'excellent')
 
-    Raises: InvalidInput: the package is not installed, a bad signal, too short or too long a shared interval, or a curve that
-    is constant over it, which has no phase and no slope to compare.
+    Raises: InvalidInput: a bad signal, too short or too long a shared interval, or a curve that is constant over it, which has
+    no phase and no slope to compare.
 
-    References: ISO/TS 18571:2014, Road vehicles - Objective rating metric for non-ambiguous signals. The grades' bounds 0.94,
-    0.80 and 0.58 are the standard's.
+    References: ISO/TS 18571:2014, Road vehicles - Objective rating metric for non-ambiguous signals: clause 5, data at 10 kHz;
+    6.1, weights; 6.2, corridors; 6.3, phase, magnitude and slope. The clauses are known by their headings only. What they
+    say is second hand: the definitions and the constants are those of the package objective-rating-metrics 1.3 of the Vehicle
+    Safety Institute, Graz University of Technology, as are the ways of equal cost that the warping prefers; the grades' bounds
+    are from memory. The package is not part of this one; tests hold the scores against it. Of shifts that correlate equally
+    the smallest is meant, and here equal means within 1e-12; the package, which compares to the last bit, takes any of them
+    where the curves are straight lines. The second edition, of 2024, was not at hand.
     """
     first, second = _samples(reference, "reference"), _samples(candidate, "candidate")
     begin = max(first[0][0], second[0][0]) if start is None else number(start, "start", "s")
@@ -100,12 +109,12 @@ def rating(
         )
     grid = begin + INTERVAL * np.arange(math.floor((finish - begin) / INTERVAL + 1e-6) + 1)
     columns = [_on_grid(samples, grid, name) for samples, name in ((first, "reference"), (second, "candidate"))]
-    parts = _parts(grid, *columns)
-    value = float(np.dot(WEIGHTS, parts))
+    corridor, phase, magnitude, slope, shift = agreement(*columns)
+    value = float(np.dot(WEIGHTS, (corridor, phase, magnitude, slope)))
     # 0.4 + 0.2 + 0.2 + 0.2 of four ones is 1 to the last bit or one below
     value = min(round(value, 15), 1.0)
     grade = next((grade for bound, grade in GRADES if value > bound), GRADES[-1][1])
-    return Rating(value, *parts, grade, float(grid[0]), float(grid[-1]))
+    return Rating(value, corridor, phase, magnitude, slope, grade, float(grid[0]), float(grid[-1]), shift * INTERVAL)
 
 
 def _samples(curve: Curve | tuple[ArrayLike, ArrayLike], name: str) -> tuple[Floats, Floats]:
@@ -122,25 +131,3 @@ def _on_grid(samples: tuple[Floats, Floats], grid: Floats, name: str) -> Floats:
             "Choose an interval in which both do."
         )
     return column
-
-
-def _parts(grid: Floats, reference: Floats, candidate: Floats) -> tuple[float, float, float, float]:
-    """Corridor, phase, magnitude and slope, unrounded."""
-    try:
-        from objective_rating_metrics.rating import ISO18571  # noqa: PLC0415  imports matplotlib and compiles: seconds
-    except ImportError:
-        raise InvalidInput(
-            "rating: got no package objective-rating-metrics; need it for ISO/TS 18571. pip install 'ridedown[rating]'"
-        ) from None
-
-    # Where a shifted piece is flat its correlation is 0/0, which the package rightly never takes for the best.
-    with np.errstate(invalid="ignore", divide="ignore"):
-        rated = ISO18571(np.column_stack((grid, reference)), np.column_stack((grid, candidate)))
-        parts = rated.corridor_rating(-1), rated.phase_rating(-1), rated.magnitude_rating(-1), rated.slope_rating(-1)
-    corridor, phase, magnitude, slope = (float(part) for part in parts)
-    if not all(math.isfinite(part) for part in (corridor, phase, magnitude, slope)):
-        raise InvalidInput(
-            "reference: got a curve that is flat where the shifted candidate meets it; need one that moves there. "
-            "Choose another interval."
-        )
-    return corridor, phase, magnitude, slope
