@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from ridedown import criteria
+from ridedown.limits import criteria_of
+from ridedown.report.criteria_tables import occupant_table
 from ridedown.signals import filtered, mean, resultant
 from ridedown.signals.ev5 import read_ev5
 from ridedown.signals.history import TimeHistory
@@ -23,6 +25,7 @@ SAMPLE = 1e-4  # s
 
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="the measured crash, shared/data/nhtsa_v10146, is not at hand")
 
+TITLES = ("Criterion", "Value", "Unit", "from", "to", "Official", "Difference", "Official interval", "Channels")
 HEADS = [(1, 140.0, 0.0777, 0.0927), (47, 335.0, 0.0678, 0.0828)]
 
 
@@ -60,6 +63,17 @@ def test_the_official_window_is_that_of_a_plain_sum_of_samples(
         best = max(best, (n * SAMPLE * float(means[i]) ** 2.5, i, i + n))
     assert best[0] == pytest.approx(official, abs=0.5)
     assert (time[best[1]], time[best[2]]) == (pytest.approx(start, abs=1e-9), pytest.approx(end, abs=1e-9))
+    found = criteria.hic_by_sum(time, a)
+    assert (found.value, found.start, found.end) == pytest.approx((best[0], time[best[1]], time[best[2]]), rel=1e-12)
+
+
+def test_the_official_hic_and_its_interval_are_printed_beside_the_same_of_ours(record: TestRecord) -> None:
+    for occupant, (_, official, start, end) in zip(criteria_of(record).occupants, HEADS, strict=True):
+        rows = [dict(zip(TITLES, row, strict=True)) for row in occupant_table(occupant, criteria_of(record)).rows]
+        row = next(row for row in rows if row["Criterion"] == "HIC15, sum of samples")
+        assert round(float(row["Value"])) == float(row["Official"]) == official
+        assert (row["from"], row["to"]) == (f"{1e3 * start:.1f}", f"{1e3 * end:.1f}")
+        assert row["Official interval"] == f"{row['from']} to {row['to']}"
 
 
 @pytest.mark.parametrize("first", [13, 59])

@@ -6,10 +6,13 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from ridedown import criteria
 from ridedown.errors import InvalidInput
+from tests.samples import examples
 
 Floats = NDArray[np.float64]
 G0 = 9.80665
@@ -204,3 +207,22 @@ def test_windows_are_above_nothing(window: float) -> None:
 def test_an_absurd_acceleration_is_no_infinite_hic() -> None:
     with pytest.raises(InvalidInput, match="Check its unit"):
         criteria.hic([0.0, 0.01], [1e200, 1e200])
+
+
+@examples(100)
+@given(st.lists(st.floats(-80.0, 80.0), min_size=2, max_size=60), st.integers(1, 70))
+def test_hic_by_sum_is_the_best_of_all_sums(levels: list[float], longest: int) -> None:
+    a = np.array(levels)
+    n = a.size
+    best = max(
+        k * 1e-3 * float(np.abs(a[i : i + k]).mean()) ** 2.5
+        for k in range(1, min(longest, n - 1) + 1)
+        for i in range(n - k)
+    )  # fmt: skip
+    found = criteria.hic_by_sum(np.arange(n) * 1e-3, a * G0, max_window=longest * 1e-3)
+    assert found.value == pytest.approx(best, rel=1e-9, abs=1e-12)
+
+
+def test_hic_by_sum_takes_the_last_sample_for_nothing() -> None:
+    # it lasts to a sample that the record does not have
+    assert criteria.hic_by_sum([0.0, 0.01, 0.02], [0.0, 0.0, A * G0]).value == 0.0

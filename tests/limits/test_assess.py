@@ -10,6 +10,7 @@ import pytest
 from ridedown import criteria
 from ridedown.limits import Judgement, Verdict, assess
 from ridedown.signals.history import Filter, TimeHistory
+from ridedown.signals.record import Occupant, Vehicle
 from tests.limits.records import TIME, Builder, G, bell, full
 
 
@@ -149,3 +150,22 @@ def test_olc_is_judged_of_the_pulse_with_its_channels_named() -> None:
     olc = by_criterion(found.judgements)["olc"]
     assert len(olc.used) == 2
     assert any("barrier trolley" in remark for remark in olc.remarks)
+
+
+def test_a_seat_names_its_vehicle_where_more_than_one_has_occupants() -> None:
+    b = full()
+    for axis, share in zip("xyz", (-2 / 3, 1 / 3, 2 / 3), strict=True):
+        b.add("head", bell(share * 90.0), "g", axis, vehicle=2)
+    alone = b.record()
+    both = replace(
+        alone, vehicles=(*alone.vehicles, Vehicle(2)), occupants=(*alone.occupants, Occupant("01", 2, "Hybrid III", "50"))
+    )
+    heads = [one for one in assess(both, "FMVSS 208").judgements if one.criterion == "hic15"]
+    assert [(one.subject, one.vehicle) for one in heads] == [("01 of vehicle 1", "1"), ("01 of vehicle 2", "2")]
+    assert heads[0].value < heads[1].value
+    assert by_criterion(assess(full().record(), "FMVSS 208").judgements)["hic15"].subject == "01"
+
+
+def test_a_vehicle_is_named_for_machines_too() -> None:
+    found = by_criterion(assess(full().record(), "Euro NCAP MPDB").judgements)["olc"]
+    assert (found.subject, found.vehicle) == ("vehicle 1", "1")

@@ -14,7 +14,7 @@ straight between its samples, exactly: no result depends on how finely it was sa
 from ridedown.criteria.checks import STANDARD_GRAVITY
 from ridedown.criteria.chest import CHEST_CONSTANTS, ChestConstants, ViscousCriterion, chest_deflection, viscous_criterion
 from ridedown.criteria.energy import EnergySplit, energy_split, ridedown_efficiency
-from ridedown.criteria.head import HIC, Clip, clip, hic, severity_index
+from ridedown.criteria.head import HIC, Clip, clip, hic, hic_by_sum, severity_index
 from ridedown.criteria.legs import TIBIA_LIMITS, TibiaIndex, TibiaLimits, femur_force, tibia_index
 from ridedown.criteria.neck import NECK_INTERCEPTS, NeckForces, NeckIntercepts, Nij, condyle_moment, neck_forces, nij
 from ridedown.criteria.occupant_load import OLC, VPI, olc, vpi
@@ -90,6 +90,7 @@ __all__ = [
     "femur_injury_risk",
     "head_injury_risk",
     "hic",
+    "hic_by_sum",
     "neck_forces",
     "neck_injury_risk",
     "nij",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -28,8 +28,9 @@ class Verdict(Enum):
 class Judgement:
     """One criterion of one occupant or vehicle against one limit, in SI; `unit` is the field's, which `shown` prints in.
 
+    subject: an occupant, a vehicle, or the test. A seat names its vehicle too where more than one has occupants: "01 of vehicle
+    2". vehicle: which one the subject is or sits in; empty where none is meant, or none is known.
     criterion: a key of CRITERIA; empty for what a regulation asks besides, which no channel holds.
-
     margin: what is left to the limit, negative where it is exceeded; value and margin None where there is no value.
     start, end: when [s]. used: the channels. reason: why it was not judged. remarks: what to know about the value.
     """
@@ -48,6 +49,7 @@ class Judgement:
     used: tuple[str, ...] = ()
     reason: str = ""
     remarks: tuple[str, ...] = ()
+    vehicle: str = ""
 
     def shown(self, number: float | None) -> float | None:
         """A value, limit or margin of this judgement in the field's unit."""
@@ -120,14 +122,22 @@ def assess(source: TestRecord | Response | Evidence, regulation_name: str) -> As
     judgements: list[Judgement] = []
     if rule.occupants != "none":
         for person in have.people:
-            judgements += _occupant(have, person, rule)
+            subject = _called(person, have)
+            judgements += [replace(one, subject=subject, vehicle=person.vehicle) for one in _occupant(have, person, rule)]
         if not have.people:
             judgements.append(Judgement("occupants", "", Verdict.NOT_JUDGED, reason="no occupants in this crash"))
     for limit in rule.limits:
         if limit.of_vehicle:
-            judgements += [_vehicle(have, vehicle, limit, rule) for vehicle in have.vehicles]
+            judgements += [replace(_vehicle(have, vehicle, limit, rule), vehicle=vehicle) for vehicle in have.vehicles]
     judgements += [Judgement("test", "", Verdict.NOT_JUDGED, reason=f"not in the channels: {words}") for words in rule.unjudged]
     return Assessment(have.title, rule, tuple(judgements))
+
+
+def _called(person: Person, have: Evidence) -> str:
+    """An occupant's name; a seat names its vehicle too where more than one has occupants. A simulation's names are unique."""
+    if have.simulated or len({one.vehicle for one in have.people}) < 2:
+        return person.name
+    return f"{person.name} of vehicle {person.vehicle}"
 
 
 def _occupant(have: Evidence, person: Person, rule: Regulation) -> list[Judgement]:

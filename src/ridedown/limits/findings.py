@@ -77,11 +77,11 @@ def _resultant(signals: Signals) -> Floats:
     return length
 
 
-def _hic(window: float) -> Callable[[Evidence, Person], Finding]:
+def _hic(window: float, rule: Callable[..., criteria.HIC] = criteria.hic) -> Callable[[Evidence, Person], Finding]:
     def compute(evidence: Evidence, person: Person) -> Finding:
         place = "chest" if person.lumped else "head"
         signals = evidence.signals(person, place)
-        found = criteria.hic(signals.time, _resultant(signals), max_window=window)
+        found = rule(signals.time, _resultant(signals), max_window=window)
         remarks = signals.remarks
         if person.lumped:
             remarks = (*remarks, "a lumped occupant has no head; this is of its whole mass, an indicator only")
@@ -172,6 +172,12 @@ OF_OCCUPANTS: Mapping[str, Callable[[Evidence, Person], Finding]] = {
     "femur_left": _femur("left"),
     "femur_right": _femur("right"),
 }
+
+BY_LABORATORIES: Mapping[str, Callable[[Evidence, Person], Finding]] = {
+    "hic15": _hic(0.015, criteria.hic_by_sum),
+    "hic36": _hic(0.036, criteria.hic_by_sum),
+}
+"""Criteria that laboratories compute by a rule of their own, by that rule: to stand beside their results, for nothing else."""
 
 
 # vehicles

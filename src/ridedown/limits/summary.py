@@ -11,7 +11,7 @@ from ridedown import criteria
 from ridedown.criteria import risk
 from ridedown.errors import InvalidInput
 from ridedown.limits.evidence import CannotJudge, Evidence, Person, Pulse, evidence
-from ridedown.limits.findings import CRITERIA, OF_OCCUPANTS, OF_VEHICLES, Finding, in_field
+from ridedown.limits.findings import BY_LABORATORIES, CRITERIA, OF_OCCUPANTS, OF_VEHICLES, Finding, in_field
 from ridedown.signals.record import OfficialResult
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ class OccupantCriteria:
 
     risks: probabilities by the US NCAP curves, where the dummy has them: head, neck, chest, femur, combined.
     official: the laboratory's own results, as it names them. Forces and deflections are magnitudes, of compression.
+    by_laboratory: the criteria of `findings` that stand beside an official HIC once more, by the laboratory's plain sum of
+    samples.
     """
 
     seat: str
@@ -39,6 +41,7 @@ class OccupantCriteria:
     missing: Mapping[str, str]
     risks: Mapping[str, float]
     official: Mapping[str, OfficialResult]
+    by_laboratory: Mapping[str, Finding]
 
     def value(self, key: str) -> float | None:
         """A criterion in its field unit; None where it could not be computed."""
@@ -71,6 +74,9 @@ class OccupantCriteria:
             "injury_risk": dict(self.risks),
             "official": {name: result.value for name, result in self.official.items()},
             "official_units": {name: result.unit for name, result in self.official.items()},
+            "sum_of_samples": {
+                key: {"value": found.value, "interval_s": _interval(found)} for key, found in self.by_laboratory.items()
+            },
             "channels": {key: list(finding.used) for key, finding in self.findings.items()},
             "remarks": {key: list(finding.remarks) for key, finding in self.findings.items() if finding.remarks},
             "not_computed": dict(self.missing),
@@ -176,7 +182,11 @@ def _occupant(have: Evidence, person: Person) -> OccupantCriteria:
             missing[key] = str(why)
     official = person.official or {}
     risks = _risks(person, {key: finding.value for key, finding in findings.items()})
-    return OccupantCriteria(person.name, person.vehicle, person.dummy, person.lumped, findings, missing, risks, official)
+    rules = BY_LABORATORIES if "HIC" in official else {}
+    theirs = {key: compute(have, person) for key, compute in rules.items() if key in findings}
+    return OccupantCriteria(
+        person.name, person.vehicle, person.dummy, person.lumped, findings, missing, risks, official, theirs
+    )
 
 
 def _risks(person: Person, values: Mapping[str, float]) -> dict[str, float]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ridedown.limits import CRITERIA, Assessment, CrashCriteria, Evidence, Judgement, OccupantCriteria, assess, regulations
-from ridedown.limits.findings import in_field
+from ridedown.limits.findings import Finding, in_field
 from ridedown.report.criteria_channels import Channels
 from ridedown.report.tables import NONE, Column, Table, number
 from ridedown.signals.ev5_results import hic_window
@@ -18,6 +18,11 @@ _MS = 1e3
 _OFFICIAL: Mapping[str, str] = {"CLIP3M": "chest_3ms", "LFEM": "femur_left", "RFEM": "femur_right"}
 """What the laboratory calls a result, and our key for it. HIC is told by its window."""
 
+_SUM_OF_SAMPLES = (
+    "HIC is exact over the signal between its samples. Beside the official result it stands once more as a plain sum of "
+    "samples, the rule that laboratories seem to follow; that sum is about half a sample late."
+)
+
 _DIGITS = {"": 3, "g": 2, "mm": 1, "N": 0, "m/s": 3, "km/h": 2}
 
 
@@ -25,7 +30,8 @@ _DIGITS = {"": 3, "g": 2, "mm": 1, "N": 0, "m/s": 3, "km/h": 2}
 class Compared:
     """A criterion of ours beside the official result of that name, in the same unit; forces are magnitudes of compression.
 
-    part: "value", or "start" or "end" of its interval, in ms. value: None where the channels do not allow it.
+    part: "value", or "start" or "end" of its interval, in ms. value: None where the channels do not allow it. by_laboratory:
+    the same by the laboratory's own rule, where that is another: HIC as a plain sum of samples.
     """
 
     official_name: str
@@ -34,6 +40,7 @@ class Compared:
     unit: str
     value: float | None
     official: float
+    by_laboratory: float | None = None
 
     @property
     def difference(self) -> float | None:
@@ -53,13 +60,12 @@ def _compared(occupant: OccupantCriteria) -> Iterator[Compared]:
     hic = occupant.official.get("HIC")
     if hic is not None:
         for key in _hic_keys(hic):
-            yield Compared("HIC", key, "value", "", occupant.value(key), hic.value)
-            found = occupant.findings.get(key)
+            found, rule = occupant.findings.get(key), occupant.by_laboratory.get(key)
+            yield Compared("HIC", key, "value", "", occupant.value(key), hic.value, None if rule is None else rule.value)
             for part, theirs in (("start", hic.start), ("end", hic.end)):
                 if theirs is not None:
-                    ours = None if found is None else getattr(found, part)
-                    name = "T1" if part == "start" else "T2"
-                    yield Compared(name, key, part, "ms", None if ours is None else _MS * ours, _MS * theirs)
+                    ours, ruled = (None if one is None else _MS * getattr(one, part) for one in (found, rule))
+                    yield Compared("T1" if part == "start" else "T2", key, part, "ms", ours, _MS * theirs, ruled)
     for name, key in _OFFICIAL.items():
         if name in occupant.official:
             # recorded with a sign or without one: what is official of a femur is its compression
@@ -97,7 +103,7 @@ def occupant_table(occupant: OccupantCriteria, found: CrashCriteria) -> Table:
     beside = compared(occupant)
     # an official result is shown also where our channels do not allow the criterion
     keys = dict.fromkeys((*occupant.findings, *(one.criterion for one in beside)))
-    rows = [_occupant_row(occupant, key, beside) for key in keys]
+    rows = [row for key in keys for row in _occupant_rows(occupant, key, beside)]
     known = {one.official_name for one in beside}
     rows += [
         (f"{name} (no criterion here)", NONE, result.unit or NONE, NONE, NONE, f"{result.value:g}", NONE, NONE, NONE)
@@ -118,29 +124,45 @@ def occupant_table(occupant: OccupantCriteria, found: CrashCriteria) -> Table:
     return Table(occupant_title(occupant, found), columns, tuple(rows)).without_empty_columns()
 
 
-def _occupant_row(occupant: OccupantCriteria, key: str, beside: Iterable[Compared]) -> tuple[str, ...]:
-    finding = occupant.findings.get(key)
+def _occupant_rows(occupant: OccupantCriteria, key: str, beside: Iterable[Compared]) -> Iterator[tuple[str, ...]]:
+    """A criterion's row; below it, where the laboratory's rule is another, one by that, with the official result."""
+    finding, theirs = occupant.findings.get(key), occupant.by_laboratory.get(key)
+    label = CRITERIA[key].label
+    official = _official_cells(beside, key)
+    by_rule = theirs is not None and official[0] != NONE
+    yield _occupant_row(
+        label + (" (indicator only)" if finding is not None and finding.indicator else ""),
+        key,
+        finding,
+        (NONE, NONE, NONE) if by_rule else official,
+    )
+    if by_rule:
+        yield _occupant_row(f"{label}, sum of samples", key, theirs, official)
+
+
+def _occupant_row(label: str, key: str, finding: Finding | None, official: tuple[str, str, str]) -> tuple[str, ...]:
     unit = CRITERIA[key].unit
     return (
-        CRITERIA[key].label + (" (indicator only)" if finding is not None and finding.indicator else ""),
-        _shown(occupant.value(key), unit),
+        label,
+        _shown(None if finding is None else _field(finding.value, key), unit),
         unit or NONE,
         number(None if finding is None else finding.start, scale=_MS),
         number(None if finding is None else finding.end, scale=_MS),
-        *_official_cells(beside, key),
+        *official,
         ", ".join(finding.used) if finding is not None else NONE,
     )
 
 
 def _official_cells(beside: Iterable[Compared], key: str) -> tuple[str, str, str]:
-    """Official value, difference, official interval of one criterion."""
+    """Official value, difference, official interval of one criterion; ours by the laboratory's rule, where that is another."""
     mine = {one.part: one for one in beside if one.criterion == key}
     if "value" not in mine:
         return NONE, NONE, NONE
     value = mine["value"]
     interval = f"{mine['start'].official:.1f} to {mine['end'].official:.1f}" if {"start", "end"} <= set(mine) else NONE
-    digits = _digits(value.value if value.value is not None else value.official, value.unit)
-    return f"{value.official:g}", _signed(value.difference, max(digits, 1)), interval
+    ours = value.value if value.by_laboratory is None else value.by_laboratory
+    digits = _digits(ours if ours is not None else value.official, value.unit)
+    return f"{value.official:g}", _signed(None if ours is None else ours - value.official, max(digits, 1)), interval
 
 
 def missing_table(found: CrashCriteria) -> Table:
@@ -203,12 +225,14 @@ def vehicle_table(found: CrashCriteria) -> Table:
 
 def occupant_notes(found: CrashCriteria) -> tuple[str, ...]:
     """What there is to know about occupants' values: a second sensor that stands in, a channel left out, and the like."""
+    laboratory = [_SUM_OF_SAMPLES] if any(occupant.by_laboratory for occupant in found.occupants) else []
     said: dict[tuple[str, str], list[str]] = {}
     for occupant in found.occupants:
         for key, finding in occupant.findings.items():
             for remark in finding.remarks:
                 said.setdefault((occupant_title(occupant, found), remark), []).append(CRITERIA[key].label)
-    return tuple(f"{who}, {', '.join(labels)}: {remark.rstrip('.')}." for (who, remark), labels in said.items())
+    notes = (f"{who}, {', '.join(labels)}: {remark.rstrip('.')}." for (who, remark), labels in said.items())
+    return (*laboratory, *notes)
 
 
 def pulse_notes(found: CrashCriteria) -> tuple[str, ...]:
@@ -298,6 +322,7 @@ def as_json(
                 "value": one.value,
                 "official": one.official,
                 "difference": one.difference,
+                "sum_of_samples": one.by_laboratory,
             }
             for one in compared(occupant)
         ]
@@ -313,6 +338,7 @@ def as_json(
 def _judged(judgement: Judgement) -> dict[str, Any]:
     return {
         "of": judgement.subject,
+        "vehicle": judgement.vehicle or None,
         "criterion": judgement.criterion or None,
         "level": judgement.level or None,
         "value": judgement.shown(judgement.value),
