@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ridedown.network import Channel, Family, Law, Network
+from ridedown.network import Action, Channel, Family, Law, Network
 from ridedown.network.model import Floats
 from ridedown.outcomes import kinetic_energy
 from ridedown.solver.phases import Phases
@@ -17,9 +17,10 @@ class ElementEnergy:
     """The energy of one element [J].
 
     absorbed: work done on it, the integral of its force over its deflection. stored: what it could still give back at the end.
-    dissipated: the rest, counting in what a linear tie with slack, which starts out pushing, held at the start. left_out: work
-    that the model does not book on any body, as that of a belt on a car taken to be too
-    heavy to notice (`coupled = false`), or of the printed lever arm law, whose moment is not work-conjugate (eq 4).
+    dissipated: the rest, counting in what a linear tie with slack, which starts out pushing, held at the start; negative where
+    a pretensioner or a bag that fills put in more than was lost. left_out: work that the model does not book on any body, as
+    that of a belt on a car taken to be too heavy to notice (`coupled = false`), or of the printed lever arm law, whose moment
+    is not work-conjugate (eq 4).
     """
 
     absorbed: float
@@ -106,6 +107,8 @@ def _stored(network: Network, phases: Phases, e: int) -> float:
     powers = end ** np.arange(phases.force.shape[1])
     force = float(phases.force[-1, :, e] @ powers)
     deflection = float(phases.deflection[-1, :, e] @ powers)
+    if network.law[e] == Law.RESTRAINT:
+        return _stored_in_restraint(network, phases, e, deflection)
     law, stiffness = network.law[e], float(network.stiffness[e, 0])
     if law in {Law.LINEAR, Law.KELVIN_VOIGT, Law.THRESHOLD}:
         stretch = deflection - float(network.slack[e, 0])
@@ -115,14 +118,44 @@ def _stored(network: Network, phases: Phases, e: int) -> float:
     if law == Law.PLASTIC:
         given_back = min(force / stiffness, deflection)  # down the unloading line, as far as the member pushes
         return force * given_back - 0.5 * stiffness * given_back**2 if force > 0.0 else 0.0
+    return _under_curve(network, e, deflection)[0]
+
+
+def _stored_in_restraint(network: Network, phases: Phases, e: int, deflection: float) -> float:
+    """What a restraint could give back at the end, with its reel where it is and its bag as full as it is."""
+    elongation = deflection - float(network.slack[e, 0]) + float(phases.reel[e])
+    if elongation <= 0.0:
+        return 0.0
+    energy, force = _under_curve(network, e, elongation)
+    line = float(network.stiffness[e, 0])
+    if line > 0.0:
+        force = max(min(force, line * (elongation - float(phases.set[e]))), 0.0)
+        given_back = min(force / line, elongation)
+        energy = force * given_back - 0.5 * line * given_back**2
+    return fill_at(network, e, phases.end) * energy
+
+
+def fill_at(network: Network, e: int, time: float) -> float:
+    """How full the bag of restraint e is at a time [s], 0 to 1; 1 for what is no bag."""
+    if not network.empty[e]:
+        return 1.0
+    own = [t for t in np.flatnonzero(network.timer_element == e) if network.timer_action[t] == Action.FILL]
+    starts = sorted((float(network.timer_time[t, 0]), float(network.timer_value[t, 0])) for t in own)
+    ends = [start for start, _ in starts[1:]] + [np.inf]
+    return sum(rate * max(min(time, end) - start, 0.0) for (start, rate), end in zip(starts, ends, strict=True))
+
+
+def _under_curve(network: Network, e: int, deflection: float) -> tuple[float, float]:
+    """Energy under the curve of element e up to a deflection > 0, and the force there."""
     pieces = range(network.piece_start[e], network.piece_start[e + 1])
     knots = [float(network.knot[p, 0]) for p in pieces]
-    total = 0.0
+    total = force = 0.0
     for p, start, stop in zip(pieces, knots, [*knots[1:], np.inf], strict=True):
         width = min(deflection, stop) - start
         if width > 0.0:
-            total += width * (float(network.force[p, 0]) + 0.5 * float(network.slope[p, 0]) * width)
-    return total
+            force = float(network.force[p, 0]) + float(network.slope[p, 0]) * width
+            total += 0.5 * width * (float(network.force[p, 0]) + force)
+    return total, force
 
 
 def momentum_balance(network: Network, phases: Phases, rate: Floats, direction: dict[str, float]) -> MomentumBalance:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ridedown.network import Law, Network
 from ridedown.restraint_events import mode_event, timer_event
@@ -29,22 +30,22 @@ def events_of(network: Network, phases: Phases, *, belts: Collection[str] = ()) 
     Several changes of one element at one instant are one event: a belt that slips from taut through clipped to slack has gone
     slack. What a timer does is an event of its own.
     """
-    changes: list[tuple[float, int, int, int]] = []
+    changes: list[_Change] = []
     for time, e, before, after in zip(
         phases.event_time, phases.event_element, phases.event_before, phases.event_after, strict=True
     ):
         same = None if before == _TIMER else _same_instant(changes, float(time), int(e))
         if same is None:
-            changes.append((float(time), int(e), int(before), int(after)))
+            changes.append(_Change(float(time), int(e), [int(before), int(after)]))
         else:
-            changes[same] = (changes[same][0], int(e), changes[same][2], int(after))
+            same.modes.append(int(after))
     found = []
-    for time, e, before, after in changes:
-        name = network.elements[e]
+    for time, e, modes in changes:
+        name, before, after = network.elements[e], modes[0], modes[-1]
         if before == _TIMER:
             what = timer_event(network, after)
         elif network.law[e] == Law.RESTRAINT:
-            what = mode_event(network, phases, e, time, before, after, belt=name in belts) if before != after else ""
+            what = mode_event(network, phases, e, time, modes, belt=name in belts)
         else:
             what = _what(network, e, before, after) if before != after else ""
         if what:
@@ -52,13 +53,21 @@ def events_of(network: Network, phases: Phases, *, belts: Collection[str] = ()) 
     return tuple(found)
 
 
-def _same_instant(changes: list[tuple[float, int, int, int]], time: float, element: int) -> int | None:
-    """Where an element's change at this instant stands in the list, if there is one."""
-    for k in range(len(changes) - 1, -1, -1):
-        if time - changes[k][0] > _INSTANT:
+class _Change(NamedTuple):
+    """All that happened to one element at one instant: the modes it went through, from the first to the last."""
+
+    time: float
+    element: int
+    modes: list[int]
+
+
+def _same_instant(changes: list[_Change], time: float, element: int) -> _Change | None:
+    """An element's change at this instant, if there is one."""
+    for change in reversed(changes):
+        if time - change.time > _INSTANT:
             return None
-        if changes[k][1] == element and changes[k][2] != _TIMER:
-            return k
+        if change.element == element and change.modes[0] != _TIMER:
+            return change
     return None
 
 

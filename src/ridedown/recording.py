@@ -1,7 +1,8 @@
 """A simulated response as laboratories hold theirs: time histories, and a test record with channel codes.
 
-A lumped vehicle is recorded as its centre of gravity, an occupant as its chest; both are accelerations along x of the whole
-mass. What has no such place (excursions, forces of the restraints) is recorded without a code.
+A lumped vehicle is recorded as its centre of gravity, an occupant of one mass as its chest; both are accelerations along x of
+the whole mass. Pelvis, chest and head of an occupant of several masses are recorded as such. What has no such place (excursions,
+forces of the restraints) is recorded without a code.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
 from ridedown.scenario import CrashScenario, NetworkScenario
+from ridedown.scenario import Occupant as ScenarioOccupant
 from ridedown.signals.codes import SEATS, ChannelCode
 from ridedown.signals.history import TimeHistory
 from ridedown.signals.record import Occupant, TestRecord, Vehicle
@@ -22,6 +24,7 @@ Floats = NDArray[np.float64]
 
 _MOST_POINTS = 5_000_000  # of one history: 80 MB
 _QUANTITIES = {"acceleration": "AC", "velocity": "VE", "displacement": "DS"}
+_LOCATIONS = {"pelvis": "PELV", "chest": "CHST", "head": "HEAD"}
 _ADULTS, _CHILDREN = "132546789", "465789132"
 """Positions in the vehicle, in the order in which its occupants are given them: the front seats first, children behind."""
 
@@ -54,23 +57,25 @@ def knots(phases: Phases, series: Floats, tolerance: float) -> tuple[Floats, Flo
     return np.maximum.accumulate(np.concatenate(times)), np.concatenate(values)
 
 
-def code_of(channel: str, places: Mapping[str, tuple[str, str]]) -> str | None:
+def code_of(channel: str, places: Mapping[str, tuple[str, str, str]]) -> str | None:
     """The ISO-MME code of a channel, where its body has a place, else None."""
     body, _, quantity = channel.rpartition(".")
     if body not in places or quantity not in _QUANTITIES:
         return None
-    vehicle, position = places[body]
-    location = "VEHC" if position == "0" else "CHST"
+    vehicle, position, location = places[body]
     if location == "CHST" and quantity == "displacement":
         return None  # a displacement of the chest is its deflection, to every other program
     return str(ChannelCode(vehicle, position, location, "00", "00", "00", _QUANTITIES[quantity], "X", "0"))
 
 
-def places_of(scenario: CrashScenario | NetworkScenario) -> dict[str, tuple[str, str]]:
-    """Vehicle and position, as channel codes have them, of each vehicle and occupant; at most nine to a vehicle."""
+def places_of(scenario: CrashScenario | NetworkScenario) -> dict[str, tuple[str, str, str]]:
+    """Vehicle, position and main location, as channel codes have them, of each vehicle and mass; nine people to a vehicle.
+
+    Of an occupant of several bodies, pelvis, chest and head have places; its mean motion has none.
+    """
     if not isinstance(scenario, CrashScenario):
         return {}
-    places = {f"vehicle{n}": (str(n), "0") for n in (1, 2)}
+    places = {f"vehicle{n}": (str(n), "0", "VEHC") for n in (1, 2)}
     taken: set[tuple[str, str]] = set()
     for occupant in scenario.occupants:
         vehicle = str(occupant.vehicle)
@@ -78,8 +83,16 @@ def places_of(scenario: CrashScenario | NetworkScenario) -> dict[str, tuple[str,
         place = next(((vehicle, position) for position in order if (vehicle, position) not in taken), None)
         if place is not None:
             taken.add(place)
-            places[occupant.name] = place
+            parts = {f"{occupant.name}.{body.name}": _LOCATIONS.get(body.name) for body in occupant.bodies}
+            for name, location in (parts or {occupant.name: "CHST"}).items():
+                if location is not None:
+                    places[name] = (*place, location)
     return places
+
+
+def _position_of(occupant: ScenarioOccupant, places: Mapping[str, tuple[str, str, str]]) -> str | None:
+    """Where an occupant sits, None where there is no place left, or none of its masses has one."""
+    return next((places[name][1] for name in occupant.mass_names if name in places), None)
 
 
 def record_of(
@@ -99,10 +112,11 @@ def record_of(
             if given is not None:
                 vehicles.append(Vehicle(number, f"vehicle{number}", float(given.mass), float(given.speed)))
         for occupant in scenario.occupants:
-            if occupant.name in places:
-                position = places[occupant.name][1]
+            position = _position_of(occupant, places)
+            if position is not None:
                 seat = SEATS.get(position, f"position {position}")
-                occupants.append(Occupant(seat, occupant.vehicle, dummy=f"{occupant.name}, a lumped mass"))
+                masses = f"{len(occupant.bodies)} lumped masses" if occupant.bodies else "a lumped mass"
+                occupants.append(Occupant(seat, occupant.vehicle, dummy=f"{occupant.name}, {masses}"))
     return TestRecord.of(
         histories,
         identifier=name,

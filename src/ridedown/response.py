@@ -17,9 +17,18 @@ from ridedown.balance import EnergyBalance, MomentumBalance, energy_balance, mom
 from ridedown.errors import InvalidInput
 from ridedown.events import Event, events_of
 from ridedown.forcing import forcing_channels
-from ridedown.network import Channel, Law, Network, channels
+from ridedown.network import Action, Channel, Law, Network, channels
 from ridedown.network.channels import find
-from ridedown.scenario import CrashScenario, NetworkScenario, Source
+from ridedown.scenario import (
+    AnyRestraint,
+    Belt,
+    CrashScenario,
+    NetworkScenario,
+    Restraint,
+    Source,
+    centre_of_mass,
+    total_forces,
+)
 from ridedown.signals.history import TimeHistory
 from ridedown.signals.record import TestRecord
 from ridedown.solver.phases import Phases
@@ -58,8 +67,22 @@ class VehicleResult:
 
 
 @dataclass(frozen=True, slots=True)
+class BodyResult:
+    """One body of an occupant, SI. excursion: relative to the vehicle."""
+
+    mass: float
+    peak_acceleration: Extremum
+    excursion: Extremum
+    time_to_rest: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class OccupantResult:
-    """One occupant, SI. excursion: relative to the vehicle; relative_displacement: of a child, to its seat."""
+    """One occupant, SI. excursion: relative to the vehicle; relative_displacement: of a child, to its seat.
+
+    restraint_force: of all that holds it together. Of an occupant of several bodies the motion is that of its centre of mass,
+    and `bodies` has each of them.
+    """
 
     kind: str
     vehicle: str
@@ -69,6 +92,25 @@ class OccupantResult:
     relative_displacement: Extremum
     restraint_force: Extremum
     time_to_rest: float | None
+    bodies: dict[str, BodyResult]
+
+
+@dataclass(frozen=True, slots=True)
+class RestraintResult:
+    """One restraint of an occupant or of its seat, SI.
+
+    kind: as the scenario has it, "lumped" for one spring and damper. travel: the largest deflection, relative to what holds it,
+    the slack or gap included. absorbed: work done on it. pulled_in, paid_out: belt that its pretensioners took in, and that its
+    load limiter let out; None where there is no reel.
+    """
+
+    occupant: str
+    kind: str
+    force: Extremum
+    travel: Extremum
+    absorbed: float
+    pulled_in: float | None
+    paid_out: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +161,9 @@ class Response:
     def _channels(self) -> dict[str, Channel]:
         known = channels(self.network)
         if isinstance(self.scenario, CrashScenario):
+            occupants = self.scenario.occupants
+            known.update(total_forces(occupants, self.network))
+            known.update(centre_of_mass(occupants, self.network))
             known.update(forcing_channels(self.scenario, self.network, self.phases, known))
         return known
 
@@ -201,7 +246,15 @@ class Response:
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """What happened, in order: contacts, knees, slack taken up, and the like."""
-        return events_of(self.network, self.phases)
+        return events_of(self.network, self.phases, belts=self._belts)
+
+    @property
+    def _belts(self) -> set[str]:
+        """Elements that are belts."""
+        if not isinstance(self.scenario, CrashScenario):
+            return set()
+        held = [pair for occupant in self.scenario.occupants for pair in occupant.held_by()]
+        return {name for name, restraint in held if isinstance(restraint, Belt)}
 
     @cached_property
     def final_rate(self) -> Floats:
@@ -285,9 +338,53 @@ class Response:
                 relative_displacement=self.maximum(f"{occupant.name}.relative_displacement"),
                 restraint_force=self.maximum(f"{occupant.name}.restraint.force"),
                 time_to_rest=self.time_to_rest(occupant.name),
+                bodies={
+                    body.name: self._body(name, float(body.mass))
+                    for name, body in zip(occupant.mass_names, occupant.bodies, strict=False)
+                },
             )
             for occupant in self.scenario.occupants
         }
+
+    def _body(self, name: str, mass: float) -> BodyResult:
+        return BodyResult(
+            mass=mass,
+            peak_acceleration=self.peak(f"{name}.acceleration"),
+            excursion=self.maximum(f"{name}.excursion"),
+            time_to_rest=self.time_to_rest(name),
+        )
+
+    @cached_property
+    def restraints(self) -> dict[str, RestraintResult]:
+        """What each restraint did, by the name of its element; empty for a network scenario."""
+        if not isinstance(self.scenario, CrashScenario):
+            return {}
+        return {
+            name: self._restraint(name, occupant.name, restraint)
+            for occupant in self.scenario.occupants
+            for name, restraint in occupant.held_by()
+        }
+
+    def _restraint(self, name: str, occupant: str, restraint: Restraint | AnyRestraint) -> RestraintResult:
+        e = self.network.elements.index(name)
+        paid_out = float(self.phases.payout[e]) if isinstance(restraint, Belt) else None
+        return RestraintResult(
+            occupant=occupant,
+            kind="lumped" if isinstance(restraint, Restraint) else restraint.kind,
+            force=self.maximum(f"{name}.force"),
+            travel=self.maximum(f"{name}.deflection"),
+            absorbed=self.energy.elements[name].absorbed,
+            pulled_in=None if paid_out is None else float(self.phases.reel[e]) + paid_out + self._given_freely(name),
+            paid_out=paid_out,
+        )
+
+    def _given_freely(self, belt: str) -> float:
+        """Belt that a reel gave before it locked [m]."""
+        e = self.network.elements.index(belt)
+        locks = self.network.timer_time[(self.network.timer_element == e) & (self.network.timer_action == Action.LOCK), 0]
+        if locks.size == 0 or locks[0] > self.end_time:
+            return 0.0
+        return max(float(self.at(f"{belt}.deflection", locks[0])) - float(self.network.slack[e, 0]), 0.0)
 
     @cached_property
     def masses(self) -> dict[str, MassResult]:
@@ -326,6 +423,7 @@ class Response:
             "status": {"completed": self.completed, "sentence": self.status.sentence, "end_time": self.end_time},
             "vehicles": {name: asdict(result) for name, result in self.vehicles.items()},
             "occupants": {name: asdict(result) for name, result in self.occupants.items()},
+            "restraints": {name: asdict(result) for name, result in self.restraints.items()},
             "masses": {name: asdict(result) for name, result in self.masses.items()},
             "restitution": self.restitution,
             "energy": asdict(self.energy),

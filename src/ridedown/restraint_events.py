@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from ridedown.network import Action, Network
 from ridedown.solver.phases import Phases
 
@@ -25,31 +29,45 @@ def timer_event(network: Network, timer: int) -> str:
     return f"pretensioner {1 + action - Action.PULL_1} {'fires' if value > 0.0 else 'has ended'}"
 
 
-def mode_event(network: Network, phases: Phases, e: int, time: float, before: int, after: int, *, belt: bool) -> str:
-    """What a change of mode of restraint e is, empty for one that says nothing; `belt`: it pulls, else it is pressed."""
+def mode_event(network: Network, phases: Phases, e: int, time: float, modes: Sequence[int], *, belt: bool) -> str:
+    """What it means that restraint e went through these modes at one instant, empty where it says nothing.
+
+    `belt`: it pulls, where others are pressed.
+    """
     pieces = int(network.piece_start[e + 1] - network.piece_start[e])
-    was, now = before - pieces, after - pieces
+    after_pieces = [mode - pieces for mode in modes]
+    was, now = after_pieces[0], after_pieces[-1]
+    gives = [mode for mode in after_pieces[1:] if mode in _HELD]
+    if gives and was not in _HELD:
+        # also where the occupant pulls harder still, and the pretensioner holds its force for no time at all
+        return _gives(network, e, gives[0])
+    if was == now:
+        return ""
     if now in _SLIPPING or now in _HELD:
         return _gives(network, e, now)
-    if after == OPEN:
-        return "" if was == FREE else "slack again" if belt else "contact lost"
-    if was in _SLIPPING or was in _HELD:
+    if (was in _SLIPPING or was in _HELD) and modes[-1] != OPEN:
         return _holds(network, e, was, rising=_rises(phases, e, time))
-    if CLIPPED in {now, was}:
-        verb = "pull" if belt else "push"
-        return f"damping outweighs the spring: no {verb}" if now == CLIPPED else "pulls again" if belt else "pushes again"
-    if before == OPEN or was == FREE:
-        start = "slack taken up" if belt else "contact"
-        return f"{start} again, on its unloading line" if now == UNLOADING else start
-    return _along_curve(before, after, unloading=pieces + UNLOADING)
+    return _along_curve(modes[0], modes[-1], pieces, belt=belt)
 
 
-def _along_curve(before: int, after: int, *, unloading: int) -> str:
-    if after == unloading:
-        return "starts to unload"
-    if before == unloading:
-        return "loads on"
-    return f"on to piece {after}" if after > before else f"back to piece {after}"
+def _along_curve(before: int, after: int, pieces: int, *, belt: bool) -> str:
+    """A change that leaves the reel as it is."""
+    was, now = before - pieces, after - pieces
+    closes = before == OPEN or was == FREE
+    if after == OPEN:
+        what = "" if was == FREE else "slack again" if belt else "contact lost"
+    elif now == CLIPPED:
+        what = f"damping outweighs the spring: no {'pull' if belt else 'push'}"
+    elif was == CLIPPED:
+        what = "pulls again" if belt else "pushes again"
+    elif closes:
+        what = "slack taken up" if belt else "contact"
+        what += " again, on its unloading line" if now == UNLOADING else ""
+    elif UNLOADING in {now, was}:
+        what = "starts to unload" if now == UNLOADING else "loads on"
+    else:
+        what = f"on to piece {after}" if after > before else f"back to piece {after}"
+    return what
 
 
 def _gives(network: Network, e: int, mode: int) -> str:
@@ -80,9 +98,11 @@ def _two_stages(network: Network, e: int) -> bool:
 
 
 def _rises(phases: Phases, e: int, time: float) -> bool:
-    """Whether the force of restraint e rises just after a time."""
+    """Whether the force of restraint e rises just after a time: over the first microsecond, for at its top its rate is zero."""
     phase = max(int(phases.start.searchsorted(time, side="right")) - 1, 0)
-    return bool(phases.force[phase, 1, e] > 0.0)
+    since = min(1e-6, float(phases.length[phase]))
+    powers = since ** np.arange(1, phases.force.shape[1])
+    return bool(phases.force[phase, 1:, e] @ powers > 0.0)
 
 
 def _kn(force: float) -> str:

@@ -181,7 +181,7 @@ def _compared(subject: str, limit: Limit, finding: Finding, rule: Regulation) ->
     if finding.indicator:
         verdict, reason = Verdict.NOT_JUDGED, finding.remarks[-1]
     elif finding.at_least and verdict is Verdict.PASSED:
-        verdict, reason = Verdict.NOT_JUDGED, "only a lower bound: not every axis was measured"
+        verdict, reason = Verdict.NOT_JUDGED, "only a lower bound: not every axis is there"
     return Judgement(
         subject,
         limit.criterion,

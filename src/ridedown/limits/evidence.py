@@ -50,7 +50,8 @@ MEASURES: Mapping[str, Measure] = {
 class Person:
     """An occupant: what it is called (its seat, or its name in a simulation), which dummy (empty if none), and where.
 
-    lumped: a simulated occupant of one mass: no head, no neck, no legs, and the chest is the whole of it. None: not known.
+    simulated: not a dummy but masses on springs. lumped: a simulated one of one mass: no head, no neck, no legs, and the chest
+    is the whole of it. None: not known.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Person:
     dummy: str = ""
     child: bool | None = None
     lumped: bool = False
+    simulated: bool = False
     official: Mapping[str, OfficialResult] | None = None
 
 

@@ -85,7 +85,15 @@ def _hic(window: float, rule: Callable[..., criteria.HIC] = criteria.hic) -> Cal
         remarks = signals.remarks
         if person.lumped:
             remarks = (*remarks, "a lumped occupant has no head; this is of its whole mass, an indicator only")
-        return Finding(found.value, found.start, found.end, signals.used, remarks, indicator=person.lumped)
+        return Finding(
+            found.value,
+            found.start,
+            found.end,
+            signals.used,
+            remarks,
+            indicator=person.lumped,
+            at_least=_is_along_x_only(person, place),
+        )
 
     return compute
 
@@ -95,9 +103,15 @@ def _held(place: str) -> Callable[[Evidence, Person], Finding]:
         # Cumulative, as the regulations have it: exceeded for no more than 3 ms in all.
         signals = evidence.signals(person, place)
         found = criteria.clip(signals.time, _resultant(signals), cumulative=True)
-        return Finding(found.value, found.start, found.end, signals.used, signals.remarks)
+        along_x = _is_along_x_only(person, place)
+        return Finding(found.value, found.start, found.end, signals.used, signals.remarks, at_least=along_x)
 
     return compute
+
+
+def _is_along_x_only(person: Person, place: str) -> bool:
+    """Whether this is the head of a simulated occupant: a mass that cannot nod, and knows only a part of the resultant."""
+    return person.simulated and place == "head"
 
 
 def _chest_peak(evidence: Evidence, person: Person) -> Finding:

@@ -52,8 +52,8 @@ class Regulation:
         return ""
 
     def limits_of(self, person: Person) -> tuple[Limit, ...]:
-        """The limits for an occupant's dummy; a simulated adult of one mass counts as the dummy "lumped adult"."""
-        dummy = "lumped adult" if person.lumped and not person.child else person.dummy
+        """The limits for an occupant's dummy; a simulated adult counts as the dummy "lumped adult"."""
+        dummy = "lumped adult" if (person.lumped or person.simulated) and not person.child else person.dummy
         return tuple(limit for limit in self.limits if not limit.of_vehicle and (not limit.dummies or dummy in limit.dummies))
 
 

@@ -20,7 +20,10 @@ _NO_PART = {
 
 
 class ResponseEvidence:
-    """The channels of a response by their meaning: the chest of an occupant is its whole mass, along x only."""
+    """The channels of a response by their meaning: the chest of an occupant is its whole mass, along x only.
+
+    An occupant of several bodies has a head and a chest where they are called so.
+    """
 
     simulated = True
 
@@ -28,13 +31,20 @@ class ResponseEvidence:
         self.response = response
         self.title = response.scenario.name or "a scenario"
         self.people = tuple(
-            Person(name, result.vehicle, child=result.kind == "child", lumped=True)
+            Person(name, result.vehicle, child=result.kind == "child", lumped=not result.bodies, simulated=True)
             for name, result in response.occupants.items()
         )
         self.vehicles = tuple(response.vehicles)
 
     def signals(self, person: Person, measure: str) -> Signals:
-        """The occupant's acceleration for the chest; nothing else is there. Raises: CannotJudge."""
+        """The occupant's acceleration for the chest, or that of its body so called. Raises: CannotJudge."""
+        bodies = self.response.occupants[person.name].bodies
+        if measure in bodies:
+            channel = f"{person.name}.{measure}.acceleration"
+            time, values = self.response.history(channel).si
+            return Signals(time, values[np.newaxis, :], (channel,), (f"the acceleration of the body {measure}, along x",))
+        if bodies and measure in {"head", "chest"}:
+            raise CannotJudge(f"this occupant has no body called {measure}")
         if measure != "chest":
             raise CannotJudge(_NO_PART[measure])
         channel = f"{person.name}.acceleration"

@@ -86,15 +86,18 @@ def _bodies(response: Response, quantity: str) -> list[_Line]:
 
 
 def _occupant_index(response: Response) -> dict[str, int]:
-    return {name: 2 + i for i, name in enumerate(response.occupants)}
+    """The masses of the occupants, each with the number of its colour."""
+    names = [f"{name}.{body}" for name, result in response.occupants.items() for body in result.bodies or ("",)]
+    return {name.removesuffix("."): 2 + i for i, name in enumerate(names)}
 
 
 def _excursions(response: Response) -> list[_Line]:
     lines = []
-    for name, i in _occupant_index(response).items():
+    index = _occupant_index(response)
+    for name, i in index.items():
         lines.append(_Line(f"{name}, to the vehicle", f"{name}.excursion", i))
-        if response.occupants[name].kind == "child":
-            lines.append(_Line(f"{name}, to the seat", f"{name}.relative_displacement", i + len(response.occupants)))
+        if response.occupants[name.partition(".")[0]].kind == "child":
+            lines.append(_Line(f"{name}, to the seat", f"{name}.relative_displacement", i + len(index)))
     return lines
 
 
@@ -167,8 +170,11 @@ def _energy_groups(response: Response) -> dict[str, list[str]]:
         took = {name: abs(energy.absorbed) for name, energy in response.energy.elements.items()}
         return {name: [name] for name in sorted(elements, key=lambda name: -took[name])[: MAX_LINES - 1]}
     groups = {f"{vehicle}'s members": [f"{vehicle}.right", f"{vehicle}.left"] for vehicle in response.vehicles}
-    if restraints := [name for name in elements if name.endswith(".restraint")]:
+    if restraints := [name for name in elements if name in response.restraints]:
         groups["restraints"] = restraints
+    members = {name for group in groups.values() for name in group}
+    if joints := [name for name in elements if name not in members]:
+        groups["between an occupant's bodies"] = joints
     return groups
 
 

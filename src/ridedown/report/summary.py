@@ -13,6 +13,7 @@ G = 9.80665  # m/s2, the standard value
 KMH = 3.6
 
 _MS = 1e3
+_ROUNDING = 1e-12  # share of the energy that is no more than rounding
 _LEFT_OUT = "left out by the model"  # restraints that do not push back, the lever arm as printed
 
 
@@ -22,6 +23,8 @@ def result_tables(response: Response) -> tuple[Table, ...]:
         vehicles(response),
         masses(response),
         occupants(response),
+        bodies(response),
+        restraints(response),
         criteria(response),
         energy(response),
         momentum(response),
@@ -148,10 +151,76 @@ def occupants(response: Response) -> Table:
     )
 
 
+def bodies(response: Response) -> Table:
+    """Each body of the occupants that have several."""
+    return Table(
+        "Bodies of the occupants; excursion is relative to the vehicle",
+        (
+            Column("Body", numeric=False),
+            Column("Mass", "kg"),
+            Column("Peak acceleration", "g"),
+            Column("at", "ms"),
+            Column("Excursion", "mm"),
+            Column("at", "ms"),
+            Column("Time to rest", "ms"),
+        ),
+        tuple(
+            (
+                f"{name}.{body}",
+                number(b.mass, 0),
+                number(b.peak_acceleration.value / G),
+                number(b.peak_acceleration.time, scale=_MS),
+                number(b.excursion.value, 0, scale=1e3),
+                number(b.excursion.time, scale=_MS),
+                number(b.time_to_rest, scale=_MS),
+            )
+            for name, o in response.occupants.items()
+            for body, b in o.bodies.items()
+        ),
+    )
+
+
+def restraints(response: Response) -> Table:
+    """What each restraint did, where any is more than one spring and damper."""
+    found = response.restraints
+    several = any(r.kind != "lumped" for r in found.values())
+    return Table(
+        "Restraints; travel is relative to what holds them, slack and gap included",
+        (
+            Column("Restraint", numeric=False),
+            Column("Kind", numeric=False),
+            Column("Force", "kN"),
+            Column("at", "ms"),
+            Column("Travel", "mm"),
+            Column("at", "ms"),
+            Column("Energy", "kJ"),
+            Column("Pulled in", "mm"),
+            Column("Let out", "mm"),
+        ),
+        tuple(
+            (
+                name,
+                r.kind.replace("_", " "),
+                number(r.force.value, 2, scale=1e-3),
+                number(r.force.time, scale=_MS),
+                number(r.travel.value, 0, scale=1e3),
+                number(r.travel.time, scale=_MS),
+                _kj(r.absorbed),
+                number(r.pulled_in, 0, scale=1e3),
+                number(r.paid_out, 0, scale=1e3),
+            )
+            for name, r in (found if several else {}).items()
+        ),
+    )
+
+
 def criteria(response: Response) -> Table:
     """Each occupant's injury criteria, with the intervals they were found over."""
+    lumped = [name for name, result in response.occupants.items() if not result.bodies]
+    said = "each is one mass" if len(lumped) == len(response.occupants) else f"{', '.join(lumped)}: one mass"
+    caution = f"; {said} without a head, so HIC, of the whole mass, is an indicator only" if lumped else ", along x"
     return Table(
-        "Criteria of the occupants; each is one mass without a head, so HIC, of the whole mass, is an indicator only",
+        f"Criteria of the occupants{caution}",
         (
             Column("Occupant", numeric=False),
             Column("3 ms acceleration", "g"),
@@ -201,7 +270,7 @@ def energy(response: Response) -> Table:
         (name, _kj(e.absorbed), number(share * e.absorbed), _kj(e.stored), _kj(e.dissipated))
         for name, e in balance.elements.items()
     ]
-    if left_out != 0.0:
+    if abs(left_out) > _ROUNDING * balance.initial:
         rows.append((_LEFT_OUT, _kj(left_out), number(share * left_out), NONE, NONE))
     rows.append(("kinetic, at the end", _kj(balance.final), number(share * balance.final), NONE, NONE))
     rows.append((f"unaccounted for: {_tiny(balance.residual)} of the initial energy", NONE, NONE, NONE, NONE))
