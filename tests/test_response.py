@@ -14,7 +14,7 @@ from ridedown import Response, load, simulate
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import CrashScenario, substitute
 
-NAMES = ("p1", "example-offset", "example-wall", "navigator-neon", "paper-child-offset", "marzbanrad-2")
+NAMES = ("p1", "example-offset", "example-wall", "example-restraints", "navigator-neon", "paper-child-offset", "marzbanrad-2")
 
 
 @pytest.fixture(scope="module", params=NAMES)

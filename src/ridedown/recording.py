@@ -1,8 +1,8 @@
 """A simulated response as laboratories hold theirs: time histories, and a test record with channel codes.
 
 A lumped vehicle is recorded as its centre of gravity, an occupant of one mass as its chest; both are accelerations along x of
-the whole mass. Pelvis, chest and head of an occupant of several masses are recorded as such. What has no such place (excursions,
-forces of the restraints) is recorded without a code.
+the whole mass. Pelvis, chest and head of an occupant of several masses are recorded as such. What has no such place
+(excursions, forces of the restraints) is recorded without a code.
 """
 
 from __future__ import annotations

@@ -37,6 +37,7 @@ def test_the_names() -> None:
         "expedition-wall",
         "p1",
         "example-offset",
+        "example-restraints",
     }
 
 
