@@ -251,7 +251,7 @@ class Response:
     @property
     def _belts(self) -> set[str]:
         """Elements that are belts."""
-        if not isinstance(self.scenario, CrashScenario):
+        if isinstance(self.scenario, NetworkScenario):
             return set()
         held = [pair for occupant in self.scenario.occupants for pair in occupant.held_by()]
         return {name for name, restraint in held if isinstance(restraint, Belt)}
@@ -357,7 +357,7 @@ class Response:
     @cached_property
     def restraints(self) -> dict[str, RestraintResult]:
         """What each restraint did, by the name of its element; empty for a network scenario."""
-        if not isinstance(self.scenario, CrashScenario):
+        if isinstance(self.scenario, NetworkScenario):
             return {}
         return {
             name: self._restraint(name, occupant.name, restraint)

@@ -33,3 +33,14 @@ def test_every_example_matches_its_pattern() -> None:
         pattern = Quantity(dimension).__get_pydantic_json_schema__(None, None)["anyOf"][1]["pattern"]
         assert re.search(pattern, dimension.example)
         assert all(re.search(pattern, f"1.5e3 {unit}") for unit in dimension.units)
+
+
+def test_restraints_are_told_apart_by_their_kind() -> None:
+    definitions = json_schema()["$defs"]
+    choices = definitions["Occupant"]["properties"]["restraints"]["items"]["oneOf"]
+    kinds = [definitions[choice["$ref"].rsplit("/", 1)[1]]["properties"]["kind"] for choice in choices]
+    assert [kind.get("const", kind.get("enum")) for kind in kinds] == [
+        "belt",
+        "airbag",
+        ["knee_bolster", "dashboard", "wheel", "seat_back"],
+    ]
