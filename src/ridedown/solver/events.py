@@ -27,13 +27,13 @@ NO, YES = 0.0, 1.0
 _FIRST, _LATEST, _SOONEST = ((DEGREE + n) * STRIDE for n in (1, 2, 3))
 """Rows below the powers of the step, all fractions of it: the earliest event found, what it cannot come after, and, one row
 for each guard of the element at hand, what its own cannot come before."""
-POWER_ROWS = DEGREE + 5
+POWER_ROWS = DEGREE + 7
 
 
 @part
 def find(
-    lanes, law, pair_element, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner, poly,
-    room,
+    lanes, law, pair_element, second_pair, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling,
+    owner, poly, room,
 ):  # fmt: skip
     """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
@@ -44,22 +44,22 @@ def find(
     for block in range(0, lanes, WIDTH):
         store(power, _FIRST + block, 1.0)
         store(power, _LATEST + block, 1.0)
-    for pair in range(pair_element.size):
-        e = pair_element[pair]
+    for e in range(law.size):
         if law[e] == laws.LINEAR:  # no guards
             continue
         for block in range(0, lanes, WIDTH):
             if law[e] == laws.ELASTIC:
                 suspects = _suspects_of_curve(block, e, guard, d, power)
             elif law[e] == laws.RESTRAINT:
-                suspects = _suspects_of_restraint(block, 2 * pair, e, guard, d, power, _SOONEST)
-                suspects |= _suspects_of_restraint(block, 2 * pair + 1, e, guard, d, power, _SOONEST + STRIDE) << WIDTH
+                suspects = _suspects_of_restraint(block, e, second_pair[e], guard, d, power)
             else:
                 suspects = _suspects(block, e, guard, d, power)
             while suspects != 0:
                 bit = first_lane(suspects)
                 suspects &= suspects - 1
-                l, g = block + bit % WIDTH, 2 * pair + bit // WIDTH
+                l, g = block + bit % WIDTH, 2 * e + bit // WIDTH
+                if bit >= 2 * WIDTH:
+                    g += 2 * (second_pair[e] - e - 1)
                 if crash[l] < 0 or power[_SOONEST + (bit // WIDTH) * STRIDE + l] > power[_LATEST + l]:
                     continue
                 if count == STRIDE:
@@ -147,21 +147,56 @@ def _suspects_of_curve(block, e, guard, d, power):
 
 
 @part
-def _suspects_of_restraint(block, g, e, guard, d, power, soonest):
-    """The same of one guard of a restraint."""
-    a, b, ga = load(guard, guard_at(g, A) + block), load(guard, guard_at(g, B) + block), load(guard, guard_at(g, GA) + block)
+def _suspects_of_restraint(block, e, pair, guard, d, power):
+    """The same of the four guards of a restraint: those of its second pair come last.
+
+    How far deflection, rate and acceleration can go down and up in the step is summed once for all of them.
+    """
     o, p = at(e, 0) + block, row(1) + block
-    d1, d2, d3 = load(d, o + STRIDE), load(d, o + 2 * STRIDE), load(d, o + 3 * STRIDE)
-    start = load(guard, guard_at(g, G0) + block) + a * (load(d, o) - load(guard, guard_at(g, GD0) + block))
-    start += b * (d1 - load(guard, guard_at(g, GV0) + block)) + 2.0 * ga * d2
-    slope = (a * (d1 + load(guard, guard_at(g, DRIFT) + block)) + 2.0 * b * d2 + 6.0 * ga * d3) * load(power, p)
-    dip = spread(0.0)
-    for j in range(2, DEGREE + 1):
-        d1, d2 = d2, d3
-        d3 = load(d, o + (j + 2) * STRIDE) if j < DEGREE - 1 else spread(0.0)
-        c = a * d1 + (j + 1.0) * (b * d2 + (j + 2.0) * ga * d3)
-        dip += min(c * load(power, p + (j - 1) * STRIDE), 0.0)
-    return _unclear(a, b, start, slope, dip, power, soonest + block, ACCELERATION_ROUND_OFF * abs(ga))
+    bends, rates = spread(0.0), spread(0.0)  # whether any guard looks at the acceleration, or the rate
+    for n in range(4):
+        g = 2 * (e if n < 2 else pair) + n % 2
+        bends += abs(load(guard, guard_at(g, GA) + block))
+        rates += abs(load(guard, guard_at(g, B) + block))
+    down, up = _range(o, 0, p, d, power)
+    down_rate, up_rate = spread(0.0), spread(0.0)
+    if lanes_of(rates > 0.0) != 0:
+        down_rate, up_rate = _range(o, 1, p, d, power)
+    down_bend, up_bend = spread(0.0), spread(0.0)
+    if lanes_of(bends > 0.0) != 0:
+        down_bend, up_bend = _range(o, 2, p, d, power)
+    here, rate, bend = load(d, o), load(d, o + STRIDE), 2.0 * load(d, o + 2 * STRIDE)
+    bend_rate, length = 6.0 * load(d, o + 3 * STRIDE), load(power, p)
+    suspects = 0
+    for n in range(4):
+        g = 2 * (e if n < 2 else pair) + n % 2
+        a, b, ga = (
+            load(guard, guard_at(g, A) + block),
+            load(guard, guard_at(g, B) + block),
+            load(guard, guard_at(g, GA) + block),
+        )
+        start = load(guard, guard_at(g, G0) + block) + a * (here - load(guard, guard_at(g, GD0) + block))
+        start += b * (rate - load(guard, guard_at(g, GV0) + block)) + ga * bend
+        slope = (a * (rate + load(guard, guard_at(g, DRIFT) + block)) + b * bend + ga * bend_rate) * length
+        dip = min(a * down, a * up) + min(b * down_rate, b * up_rate) + min(ga * down_bend, ga * up_bend)
+        more = ACCELERATION_ROUND_OFF * abs(ga)
+        suspects |= _unclear(a, b, start, slope, dip, power, _SOONEST + n * STRIDE + block, more) << (n * WIDTH)
+    return suspects
+
+
+@inlined
+def _range(o, times, p, d, power):
+    """How far a deflection's derivative, of order `times`, can go down and up in the step, beyond its first two terms."""
+    down, up = spread(0.0), spread(0.0)
+    for j in range(2, DEGREE + 1 - times):
+        c = load(d, o + (j + times) * STRIDE) * load(power, p + (j - 1) * STRIDE)
+        if times == 1:
+            c *= j + 1.0
+        elif times == 2:
+            c *= (j + 1.0) * (j + 2.0)
+        down += min(c, 0.0)
+        up += max(c, 0.0)
+    return down, up
 
 
 @part
