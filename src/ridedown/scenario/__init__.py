@@ -5,6 +5,7 @@ from __future__ import annotations
 from ridedown.scenario.bar import Arms, Bar
 from ridedown.scenario.channels import centre_of_mass, total_forces
 from ridedown.scenario.files import dump, load
+from ridedown.scenario.kinds import Scenario
 from ridedown.scenario.lowering import lower
 from ridedown.scenario.member import Member, Piece
 from ridedown.scenario.model import Collision, CrashScenario, Source
@@ -13,9 +14,8 @@ from ridedown.scenario.occupant import Body, Joint, Occupant, Restraint, Seat
 from ridedown.scenario.parameters import Parameter, parameters, substitute
 from ridedown.scenario.restraints import Airbag, AnyRestraint, Belt, Contact, LoadLimiter, Pretensioner
 from ridedown.scenario.schema import json_schema
+from ridedown.scenario.sled import SledScenario
 from ridedown.scenario.vehicle import Vehicle
-
-Scenario = CrashScenario | NetworkScenario
 
 __all__ = [
     "Airbag",
@@ -40,6 +40,7 @@ __all__ = [
     "Restraint",
     "Scenario",
     "Seat",
+    "SledScenario",
     "Source",
     "Tie",
     "Vehicle",

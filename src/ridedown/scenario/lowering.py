@@ -5,27 +5,36 @@ Pure arithmetic on the scenario's numbers, so that columns (see `substitute`) lo
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import lru_cache
+
 from ridedown import network
+from ridedown.errors import InvalidInput
 from ridedown.network import Builder, Network
 from ridedown.scenario.bar import Bar
+from ridedown.scenario.kinds import Scenario
 from ridedown.scenario.lowering_occupant import TIES, Tied, lower_occupant
 from ridedown.scenario.member import ForceDeflection
 from ridedown.scenario.model import CrashScenario
 from ridedown.scenario.networks import WALL, Crush, NetworkScenario, Tie
+from ridedown.scenario.pulse_solved import ScenarioPulse, pieces_of
+from ridedown.scenario.sled import SledScenario
 from ridedown.scenario.vehicle import Vehicle
 
 
-def lower(scenario: CrashScenario | NetworkScenario) -> Network:
+def lower(scenario: Scenario) -> Network:
     """The network of a scenario: its bodies and elements in a fixed order, SI.
 
     Bodies are named `vehicle1`, `vehicle2`, `bar`, `bar.rotation`, `<occupant>` or `<occupant>.<body>`, and
     `<occupant>.seat`; elements `vehicle1.right`, `vehicle1.left`, `vehicle2.right`, `vehicle2.left`, `<occupant>.restraint` or
     `<occupant>.<restraint>`, `<occupant>.<joint>` and the same of `<occupant>.seat`. In a network scenario both keep the
-    names given there.
+    names given there. A sled's vehicle is `vehicle1`.
     """
     builder = Builder()
     if isinstance(scenario, NetworkScenario):
         _lower_network(builder, scenario)
+    elif isinstance(scenario, SledScenario):
+        _lower_sled(builder, scenario)
     else:
         _lower_crash(builder, scenario)
     return builder.build(duration=scenario.duration)
@@ -43,6 +52,36 @@ def _lower_crash(builder: Builder, scenario: CrashScenario) -> None:
     for occupant in scenario.occupants:
         vehicle = vehicle1 if occupant.vehicle == 1 or vehicle2 is None else vehicle2
         lower_occupant(builder, occupant, bodies[occupant.vehicle - 1], vehicle.speed)
+
+
+def _lower_sled(builder: Builder, scenario: SledScenario) -> None:
+    speed = scenario.initial_speed
+    vehicle = builder.driven("vehicle1", pulse_of(scenario), speed=speed)
+    for occupant in scenario.occupants:
+        lower_occupant(builder, occupant, vehicle, speed)
+
+
+def pulse_of(scenario: SledScenario) -> network.Pulse:
+    """The acceleration of a sled's vehicle. Another scenario's is solved for, once for all that ask."""
+    pulse = scenario.pulse
+    if not isinstance(pulse, ScenarioPulse):
+        return pulse.lowered()
+    return replace(_solved(pulse.scenario, pulse.body), amplitude=pulse.scale)
+
+
+@lru_cache(32)
+def _solved(scenario: CrashScenario | NetworkScenario, body: str) -> network.Pulse:
+    from ridedown.solver.solve import solve_one  # noqa: PLC0415  compiles the solver, which no other pulse needs
+
+    crash = lower(scenario)
+    phases, stop = solve_one(crash)
+    if stop:
+        raise InvalidInput(
+            f"pulse.scenario: got a crash that stopped at {1e3 * phases.end:.3f} ms; need one that is solved to its end. "
+            "Run it by itself to see why."
+        )
+    channel = network.channels(crash)[f"{body}.acceleration"]
+    return pieces_of(phases.start, phases.length, phases.series(channel))
 
 
 def _lower_front(builder: Builder, body1: int, body2: int, vehicle1: Vehicle, vehicle2: Vehicle, bar: Bar) -> None:

@@ -67,13 +67,7 @@ class CrashScenario(Description):
         """Fill in what was left out."""
         if self.collision is None:
             self._fill(collision=Collision(kind="wall" if self.vehicle2 is None else "vehicle"))
-        taken = {occupant.name for occupant in self.occupants}
-        named = []
-        for occupant in self.occupants:
-            name = occupant.name or unused(occupant.kind, taken)
-            taken.add(name)
-            named.append(occupant.model_copy(update={"name": name}))
-        self._fill(occupants=tuple(named))
+        self._fill(occupants=named(self.occupants))
 
     def checks(self) -> Iterator[Check]:
         """Rules between the fields."""
@@ -116,6 +110,17 @@ class CrashScenario(Description):
                 "There is no vehicle2 here.",
             )
         yield from distinct("occupants", [occupant.name for occupant in self.occupants])
+
+
+def named(occupants: tuple[Occupant, ...]) -> tuple[Occupant, ...]:
+    """The occupants, those without a name called after their kind."""
+    taken = {occupant.name for occupant in occupants}
+    found = []
+    for occupant in occupants:
+        name = occupant.name or unused(occupant.kind, taken)
+        taken.add(name)
+        found.append(occupant.model_copy(update={"name": name}))
+    return tuple(found)
 
 
 def distinct(field: str, names: list[str], taken: tuple[str, ...] = ()) -> Iterator[Check]:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.base import Model, describe, quantities_of
-from ridedown.scenario.model import CrashScenario
-from ridedown.scenario.networks import NetworkScenario
+from ridedown.scenario.kinds import S, Scenario
 from ridedown.scenario.quantities import Number, Quantity, Refused, wanted
 from ridedown.scenario.vehicle import Vehicle
 
 Steps = tuple[str | int, ...]
-S = TypeVar("S", bound=CrashScenario | NetworkScenario)
 
 
 class Parameter(NamedTuple):
@@ -35,7 +33,7 @@ class _Place(NamedTuple):
     value: Number | None
 
 
-def parameters(scenario: CrashScenario | NetworkScenario) -> tuple[Parameter, ...]:
+def parameters(scenario: Scenario) -> tuple[Parameter, ...]:
     """All numbers of a scenario that `substitute` can replace, by path.
 
     Members alike are listed once, as `vehicle1.members...`; `vehicle1.right...` and `vehicle1.left...` can also be set.
@@ -124,16 +122,16 @@ def _both_members(vehicle: Vehicle, steps: Steps, value: Number) -> Vehicle:
     return vehicle.model_copy(update={"right": right, "left": left})
 
 
-def _places(scenario: CrashScenario | NetworkScenario, *, everything: bool) -> Iterator[tuple[str, _Place]]:
+def _places(scenario: Scenario, *, everything: bool) -> Iterator[tuple[str, _Place]]:
     """Paths and places of the numbers: each once, or `everything` that may be set, by every path that leads there."""
     for path, steps, model in _roots(scenario):
         yield from _places_in(model, path, steps, everything=everything)
 
 
-def _roots(scenario: CrashScenario | NetworkScenario) -> Iterator[tuple[str, Steps, Model]]:
+def _roots(scenario: Scenario) -> Iterator[tuple[str, Steps, Model]]:
     """The scenario itself and the named things in it, each with its path."""
     yield "", (), scenario
-    for field in ("vehicle1", "vehicle2", "bar"):
+    for field in ("vehicle1", "vehicle2", "bar", "pulse"):
         part = getattr(scenario, field, None)
         if part is not None:
             yield field, (field,), part
@@ -159,7 +157,7 @@ def _places_in(model: Model, path: str, steps: Steps, *, everything: bool) -> It
 
 def _parts(model: Model, *, everything: bool) -> Iterator[tuple[str, Steps, Model]]:
     """The models inside a model, but not those that `_roots` gives: what each is called in paths, and where it is."""
-    if isinstance(model, CrashScenario | NetworkScenario):
+    if isinstance(model, Scenario):
         return
     if isinstance(model, Vehicle):
         if model.alike or everything:
@@ -170,7 +168,7 @@ def _parts(model: Model, *, everything: bool) -> Iterator[tuple[str, Steps, Mode
         return
     for field in type(model).model_fields:
         value = getattr(model, field)
-        if isinstance(value, Model):
+        if isinstance(value, Model) and not isinstance(value, Scenario):  # a sled's crash is solved once, as it is
             yield field, (field,), value
         elif isinstance(value, tuple):
             for i, item in enumerate(value):
@@ -178,7 +176,7 @@ def _parts(model: Model, *, everything: bool) -> Iterator[tuple[str, Steps, Mode
                     yield getattr(item, "name", "") or f"{field}.{i}", (field, i), item
 
 
-def _models(scenario: CrashScenario | NetworkScenario) -> Iterator[tuple[str, Model]]:
+def _models(scenario: Scenario) -> Iterator[tuple[str, Model]]:
     """Every model in a scenario with its path."""
     waiting = [(path, model) for path, _, model in _roots(scenario)]
     for path, model in waiting:
