@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ridedown import catalogue, errors
     from ridedown.outcomes import Outcomes
     from ridedown.response import Response
-    from ridedown.scenario import CrashScenario, NetworkScenario, load
+    from ridedown.scenario import CrashScenario, NetworkScenario, SledScenario, load
     from ridedown.simulation import simulate, simulate_many
 
 __version__ = "0.1.0"
@@ -22,6 +22,7 @@ __all__ = [
     "NetworkScenario",
     "Outcomes",
     "Response",
+    "SledScenario",
     "__version__",
     "catalogue",
     "errors",
@@ -35,6 +36,7 @@ _HOME = {
     "NetworkScenario": "ridedown.scenario",
     "Outcomes": "ridedown.outcomes",
     "Response": "ridedown.response",
+    "SledScenario": "ridedown.scenario",
     "load": "ridedown.scenario",
     "simulate": "ridedown.simulation",
     "simulate_many": "ridedown.simulation",

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from ridedown.network import Channel, Family, Law, Network
 from ridedown.network.channels import Term
-from ridedown.scenario import CrashScenario
+from ridedown.scenario import CrashScenario, SledScenario
 from ridedown.solver import laws
 from ridedown.solver.phases import Phases
 
 
 def forcing_channels(
-    scenario: CrashScenario, network: Network, phases: Phases, known: dict[str, Channel]
+    scenario: CrashScenario | SledScenario, network: Network, phases: Phases, known: dict[str, Channel]
 ) -> dict[str, Channel]:
     """`<adult>.forcing` = f(t) and `<child>.seat.forcing` = f_2(t) [N], for all times.
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
-from ridedown.scenario import CrashScenario, NetworkScenario
+from ridedown.scenario import NetworkScenario, Scenario, SledScenario
 from ridedown.scenario import Occupant as ScenarioOccupant
 from ridedown.signals.codes import SEATS, ChannelCode
 from ridedown.signals.history import TimeHistory
@@ -68,12 +68,12 @@ def code_of(channel: str, places: Mapping[str, tuple[str, str, str]]) -> str | N
     return str(ChannelCode(vehicle, position, location, "00", "00", "00", _QUANTITIES[quantity], "X", "0"))
 
 
-def places_of(scenario: CrashScenario | NetworkScenario) -> dict[str, tuple[str, str, str]]:
+def places_of(scenario: Scenario) -> dict[str, tuple[str, str, str]]:
     """Vehicle, position and main location, as channel codes have them, of each vehicle and mass; nine people to a vehicle.
 
     Of an occupant of several bodies, pelvis, chest and head have places; its mean motion has none.
     """
-    if not isinstance(scenario, CrashScenario):
+    if isinstance(scenario, NetworkScenario):
         return {}
     places = {f"vehicle{n}": (str(n), "0", "VEHC") for n in (1, 2)}
     taken: set[tuple[str, str]] = set()
@@ -95,9 +95,7 @@ def _position_of(occupant: ScenarioOccupant, places: Mapping[str, tuple[str, str
     return next((places[name][1] for name in occupant.mass_names if name in places), None)
 
 
-def record_of(
-    scenario: CrashScenario | NetworkScenario, units: Mapping[str, str], times: Floats, at: Callable[[str, Floats], Floats]
-) -> TestRecord:
+def record_of(scenario: Scenario, units: Mapping[str, str], times: Floats, at: Callable[[str, Floats], Floats]) -> TestRecord:
     """A test record of the channels, sampled evenly at `times` [s]."""
     places = places_of(scenario)
     step = float(times[-1] / (times.size - 1))
@@ -107,10 +105,13 @@ def record_of(
     name = scenario.name or "scenario"
     vehicles: list[Vehicle] = []
     occupants: list[Occupant] = []
-    if isinstance(scenario, CrashScenario):
+    if isinstance(scenario, SledScenario):
+        vehicles.append(Vehicle(1, "vehicle1", speed=float(np.ravel(scenario.initial_speed)[0])))
+    elif not isinstance(scenario, NetworkScenario):
         for number, given in ((1, scenario.vehicle1), (2, scenario.vehicle2)):
             if given is not None:
                 vehicles.append(Vehicle(number, f"vehicle{number}", float(given.mass), float(given.speed)))
+    if not isinstance(scenario, NetworkScenario):
         for occupant in scenario.occupants:
             position = _position_of(occupant, places)
             if position is not None:

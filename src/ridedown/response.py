@@ -25,6 +25,8 @@ from ridedown.scenario import (
     CrashScenario,
     NetworkScenario,
     Restraint,
+    Scenario,
+    SledScenario,
     Source,
     centre_of_mass,
     total_forces,
@@ -53,15 +55,17 @@ class VehicleResult:
     """One vehicle, SI, along its own forward direction.
 
     delta_v: velocity at the end less that at the start. dynamic_crush: the largest deflection of either member, with its time.
-    residual_crush: the larger permanent set. peak_acceleration: the value of largest magnitude, negative when braking.
-    time_to_rest: when the velocity first falls to zero, None if it never does.
+    residual_crush: the larger permanent set. displacement: the farthest forward. peak_acceleration: the value of largest
+    magnitude, negative when braking. time_to_rest: when the velocity first falls to zero, None if it never does.
+    On a sled, whose motion is prescribed, mass and crush are None.
     """
 
-    mass: float
+    mass: float | None
     speed: float
     delta_v: float
-    dynamic_crush: Extremum
-    residual_crush: float
+    dynamic_crush: Extremum | None
+    residual_crush: float | None
+    displacement: Extremum
     peak_acceleration: Extremum
     time_to_rest: float | None
 
@@ -135,7 +139,7 @@ class Response:
     array([13.33 , 10.262])
     """
 
-    def __init__(self, scenario: CrashScenario | NetworkScenario, network: Network, phases: Phases, status: Status) -> None:
+    def __init__(self, scenario: Scenario, network: Network, phases: Phases, status: Status) -> None:
         self.scenario = scenario
         self.network = network
         self.phases = phases
@@ -160,7 +164,7 @@ class Response:
     @cached_property
     def _channels(self) -> dict[str, Channel]:
         known = channels(self.network)
-        if isinstance(self.scenario, CrashScenario):
+        if not isinstance(self.scenario, NetworkScenario):
             occupants = self.scenario.occupants
             known.update(total_forces(occupants, self.network))
             known.update(centre_of_mass(occupants, self.network))
@@ -300,6 +304,8 @@ class Response:
     @cached_property
     def vehicles(self) -> dict[str, VehicleResult]:
         """Each vehicle's outcome; empty for a network scenario."""
+        if isinstance(self.scenario, SledScenario):
+            return {"vehicle1": self._vehicle("vehicle1", None, self._start("vehicle1.velocity"))}
         if not isinstance(self.scenario, CrashScenario):
             return {}
         given = {"vehicle1": self.scenario.vehicle1, "vehicle2": self.scenario.vehicle2}
@@ -309,16 +315,17 @@ class Response:
             if vehicle is not None
         }
 
-    def _vehicle(self, name: str, mass: float, speed: float) -> VehicleResult:
+    def _vehicle(self, name: str, mass: float | None, speed: float) -> VehicleResult:
         members = [e for e in self.network.elements if e in {f"{name}.right", f"{name}.left"}]
-        crush = max((self.maximum(f"{member}.deflection") for member in members), key=lambda peak: peak.value)
-        permanent = max(float(self.phases.set[self.network.elements.index(member)]) for member in members)
+        crushes = [self.maximum(f"{member}.deflection") for member in members]
+        permanent = [max(float(self.phases.set[self.network.elements.index(member)]), 0.0) for member in members]
         return VehicleResult(
             mass=mass,
             speed=speed,
             delta_v=self._end(f"{name}.velocity") - speed,
-            dynamic_crush=crush,
-            residual_crush=max(permanent, 0.0),
+            dynamic_crush=max(crushes, key=lambda peak: peak.value, default=None),
+            residual_crush=max(permanent, default=None),
+            displacement=self.maximum(f"{name}.displacement"),
             peak_acceleration=self.peak(f"{name}.acceleration"),
             time_to_rest=self.time_to_rest(name),
         )
@@ -326,7 +333,7 @@ class Response:
     @cached_property
     def occupants(self) -> dict[str, OccupantResult]:
         """Each occupant's outcome; empty for a network scenario."""
-        if not isinstance(self.scenario, CrashScenario):
+        if isinstance(self.scenario, NetworkScenario):
             return {}
         return {
             occupant.name: OccupantResult(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,16 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from ridedown.errors import InvalidInput, SimulationStopped
 from ridedown.outcomes import Outcomes, Wanted, wanted
 from ridedown.response import Response
-from ridedown.scenario import CrashScenario, NetworkScenario, lower, substitute, total_forces
+from ridedown.scenario import Scenario, lower, substitute, total_forces
+from ridedown.scenario.kinds import S
 from ridedown.solver.solve import solve_many, solve_one
 from ridedown.status import Status
-
-S = TypeVar("S", bound=CrashScenario | NetworkScenario)
 
 _CHUNK = 8192  # crashes lowered and solved at a time: what bounds the memory
 
 
-def simulate(scenario: CrashScenario | NetworkScenario, *, throw: bool = True) -> Response:
+def simulate(scenario: Scenario, *, throw: bool = True) -> Response:
     """Solve one crash exactly, event by event.
 
     Returns: the response, with every channel, peak and event. Where the solver cannot go on to the end, the response holds
@@ -91,7 +89,7 @@ def simulate_many(
 
 
 def _solve_chunk(
-    scenario: CrashScenario | NetworkScenario,
+    scenario: Scenario,
     columns: Mapping[str, NDArray[np.float64]],
     plan: Wanted,
     result: Outcomes,

@@ -156,6 +156,27 @@ def convert(
 
 
 @app.command()
+def pulse(
+    scenario: Annotated[str, typer.Argument(metavar="FILE-OR-NAME", help="A TOML or YAML file, or a catalogue name.")],
+    vehicle: Annotated[str, typer.Option("--vehicle", help="1, 2 or, of a network, the name of a mass.")] = "1",
+    as_json: Json = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Also write the pulse: *.k (LS-DYNA), *.csv, *.tsv, *.parquet.")
+    ] = None,
+    curve: Annotated[int, typer.Option("--curve", help="LCID of the LS-DYNA curve.")] = 1,
+) -> None:
+    """Show and export a vehicle's pulse.
+
+    Prints its change of velocity, peak, OLC and the like. A sled's pulse is taken as prescribed,
+    that of a crash is simulated.
+    """
+    with _plain_errors():
+        from ridedown.apps.pulse import pulse as made
+
+        made(scenario, vehicle, out, _simulated, as_json=as_json, curve=curve)
+
+
+@app.command()
 def paper(
     as_json: Json = False,
     out: Out = None,

@@ -1,8 +1,8 @@
 """Published scenarios, ready to run: one data file a publication, each entry with its source and how sure it is.
 
-A file holds `sources`, `[parts]` and `[scenarios.NAME]`. A table with `like = "part"` takes over that part and may
-change some of its fields, so that a publication's vehicle is written once. `ridedown.scenario.load(name)` makes a
-scenario of an entry.
+A file holds `sources`, `[parts]` and `[scenarios.NAME]`, which may add `sources` of its own. A table with
+`like = "part"` takes over that part and may change some of its fields, so that a publication's vehicle is written once.
+`ridedown.scenario.load(name)` makes a scenario of an entry.
 """
 
 from __future__ import annotations
@@ -69,7 +69,9 @@ def _entries() -> dict[str, Entry]:
         publication = tomllib.loads(file.read_text(encoding="utf-8"))
         parts = publication.get("parts", {})
         for name, scenario in publication["scenarios"].items():
-            data = {"name": name, "sources": publication["sources"], **_resolved(scenario, parts)}
+            own = _resolved(scenario, parts)
+            sources = [*publication["sources"], *own.pop("sources", ())]
+            data = {"name": name, "sources": sources, **own}
             entries[name] = Entry(name, data)
     return entries
 

@@ -71,7 +71,7 @@ class ResponseEvidence:
         """The vehicle's speed at contact [m/s]."""
         return self.response.vehicles[vehicle].speed
 
-    def crush(self, vehicle: str) -> tuple[float, float]:
-        """The largest deflection of the vehicle's front [m] and its time [s], exact."""
+    def crush(self, vehicle: str) -> tuple[float, float] | None:
+        """The largest deflection of the vehicle's front [m] and its time [s], exact; None on a sled, which has no front."""
         crush = self.response.vehicles[vehicle].dynamic_crush
-        return crush.value, crush.time
+        return None if crush is None else (crush.value, crush.time)

@@ -12,7 +12,7 @@ from ridedown.network import Law
 from ridedown.report.style import Plot, draw_line, finish, mark_times, new_axes
 from ridedown.report.summary import G
 from ridedown.response import Response
-from ridedown.scenario import CrashScenario
+from ridedown.scenario import NetworkScenario, SledScenario
 
 Floats = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def _plots(response: Response) -> Iterator[Plot]:
 
 def _bodies(response: Response, quantity: str) -> list[_Line]:
     scenario = response.scenario
-    if isinstance(scenario, CrashScenario):
+    if not isinstance(scenario, NetworkScenario):
         vehicles = [name for name in ("vehicle1", "vehicle2") if name in response.vehicles]
         names = {name: i for i, name in enumerate(vehicles)} | _occupant_index(response)
     else:
@@ -169,7 +169,8 @@ def _energy_groups(response: Response) -> dict[str, list[str]]:
     if not response.vehicles:
         took = {name: abs(energy.absorbed) for name, energy in response.energy.elements.items()}
         return {name: [name] for name in sorted(elements, key=lambda name: -took[name])[: MAX_LINES - 1]}
-    groups = {f"{vehicle}'s members": [f"{vehicle}.right", f"{vehicle}.left"] for vehicle in response.vehicles}
+    crushed = {} if isinstance(response.scenario, SledScenario) else response.vehicles
+    groups = {f"{vehicle}'s members": [f"{vehicle}.right", f"{vehicle}.left"] for vehicle in crushed}
     if restraints := [name for name in elements if name in response.restraints]:
         groups["restraints"] = restraints
     members = {name for group in groups.values() for name in group}

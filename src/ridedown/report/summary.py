@@ -6,8 +6,10 @@ from typing import Any
 
 from ridedown.events import Event
 from ridedown.limits import CrashCriteria, OccupantCriteria, criteria_of, evidence
+from ridedown.report.pulse import about, measure, motion_of, pulse_table
 from ridedown.report.tables import NONE, Column, Table, number
 from ridedown.response import MassResult, Response, VehicleResult
+from ridedown.scenario import SledScenario
 
 G = 9.80665  # m/s2, the standard value
 KMH = 3.6
@@ -20,6 +22,7 @@ _LEFT_OUT = "left out by the model"  # restraints that do not push back, the lev
 def result_tables(response: Response) -> tuple[Table, ...]:
     """The results in the order to read them in; those with no row are left out."""
     made = (
+        sled(response),
         vehicles(response),
         masses(response),
         occupants(response),
@@ -44,7 +47,7 @@ def notes(response: Response) -> tuple[str, ...]:
     if rebuilt:
         titles = "; ".join(source.title for source in rebuilt)
         said.append(f"Reconstructed, not published: {titles}. See the sources.")
-    return tuple(said)
+    return (*said, *about(response.scenario))
 
 
 _MOTION = (
@@ -91,8 +94,15 @@ def vehicles(response: Response) -> Table:
                 number(v.time_to_rest, scale=_MS),
             )
             for name, v in response.vehicles.items()
+            if v.dynamic_crush is not None
         ),
     )
+
+
+def sled(response: Response) -> Table:
+    """The pulse of a sled's vehicle."""
+    scenario = response.scenario
+    return pulse_table([measure(motion_of(scenario, "vehicle1"))] if isinstance(scenario, SledScenario) else [])
 
 
 def masses(response: Response) -> Table:
@@ -250,7 +260,10 @@ def occupant_criteria(response: Response) -> CrashCriteria:
 def run_data(response: Response) -> dict[str, Any]:
     """What a run comes to as plain data for JSON: the response's summary, and its occupants' criteria."""
     found = occupant_criteria(response).as_json()
-    return {**response.summary(), "criteria": {"occupants": found["occupants"]}}
+    data = {**response.summary(), "criteria": {"occupants": found["occupants"]}}
+    if isinstance(response.scenario, SledScenario):
+        data["pulse"] = measure(motion_of(response.scenario, "vehicle1")).as_json()
+    return data
 
 
 def _criterion(occupant: OccupantCriteria, key: str) -> tuple[str, str, str]:
@@ -265,13 +278,14 @@ def energy(response: Response) -> Table:
     balance = response.energy
     share = 100.0 / balance.initial if balance.initial > 0.0 else 0.0
     left_out = sum(e.left_out for e in balance.elements.values())
+    unbooked = "taken by the vehicle, whose motion is prescribed" if isinstance(response.scenario, SledScenario) else _LEFT_OUT
     rows = [("kinetic, at the start", _kj(balance.initial), number(share * balance.initial), NONE, NONE)]
     rows += [
         (name, _kj(e.absorbed), number(share * e.absorbed), _kj(e.stored), _kj(e.dissipated))
         for name, e in balance.elements.items()
     ]
     if abs(left_out) > _ROUNDING * balance.initial:
-        rows.append((_LEFT_OUT, _kj(left_out), number(share * left_out), NONE, NONE))
+        rows.append((unbooked, _kj(left_out), number(share * left_out), NONE, NONE))
     rows.append(("kinetic, at the end", _kj(balance.final), number(share * balance.final), NONE, NONE))
     rows.append((f"unaccounted for: {_tiny(balance.residual)} of the initial energy", NONE, NONE, NONE, NONE))
     return Table(
@@ -293,7 +307,7 @@ def momentum(response: Response) -> Table:
     rows = [
         ("at the start", number(balance.initial, 0)),
         ("impulse of the wall", number(balance.external, 0)),
-        (_LEFT_OUT, number(balance.left_out, 0)),
+        ("impulse of the sled" if isinstance(response.scenario, SledScenario) else _LEFT_OUT, number(balance.left_out, 0)),
         ("at the end", number(balance.final, 0)),
     ]
     kept = [row for row, value in zip(rows, (1.0, balance.external, balance.left_out, 1.0), strict=True) if value != 0.0]

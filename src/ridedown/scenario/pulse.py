@@ -44,7 +44,7 @@ class BasePulse(Model):
         raise NotImplementedError
 
     def change(self) -> Number | None:
-        """The speed that the pulse takes from the vehicle, or that its source says it had [m/s]; None where neither is known."""
+        """The speed that the pulse takes from the vehicle, or that its source says it had [m/s]; None if not known."""
         raise NotImplementedError
 
     def end(self) -> Number:
@@ -287,7 +287,13 @@ class PointsPulse(BasePulse):
         i = 1 + int(np.argmin(np.diff(time)))
         falls = f">= {time[i - 1]:g} s, the time before it"
         yield Check(f"points.{i}.0", bool(time[i] >= time[i - 1]), float(time[i]), falls, "Sort the points.", "s")
-        yield Check("points", bool(time[-1] > time[0]), f"all at {time[0]:g} s", "points at different times", "Give one at a later time.")
+        yield Check(
+            "points",
+            bool(time[-1] > time[0]),
+            f"all at {time[0]:g} s",
+            "points at different times",
+            "Give one at a later time.",
+        )
         yield brakes("points", self._gone())
 
     def _gone(self) -> float:
@@ -314,5 +320,7 @@ def one_of(value: Number) -> float:
 def same_in_all(field: str, value: Number) -> Check:
     """The rule that a number which makes the shape of a pulse is the same in every row."""
     alike: Truth = True if not isinstance(value, np.ndarray) else value == value[0]
-    fix = "It makes the shape of the pulse, which all rows share; vary delta_v, duration or peak, or take one scenario for each."
+    fix = (
+        "It makes the shape of the pulse, which all rows share; vary delta_v, duration or peak, or take one scenario for each."
+    )
     return Check(field, alike, value, "the same value in every row", fix)

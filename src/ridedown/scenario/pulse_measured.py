@@ -85,7 +85,9 @@ class MeasuredPulse(BasePulse):
 
     kind: Literal["measured"]
     file: str = Field(description="a test: EV5, ISO-MME, CSV or Parquet; a folder, a zip or a file, from the scenario's folder")
-    channels: Channels = Field(description="number, name or ISO-MME code of one channel, or a list of redundant ones to average")
+    channels: Channels = Field(
+        description="number, name or ISO-MME code of one channel, or a list of redundant ones to average"
+    )
     cfc: FrequencyClass = Field(60.0, description='channel frequency class, or "none"')
     standard: Standard = Field("SAE J211", description="whose filter")
     time_zero: Instant = Field(0.0, description="time in the record at which the pulse begins")
@@ -185,7 +187,9 @@ def _record(path: Path) -> TestRecord:
         return read(path)
     except InvalidInput as problem:
         if not path.exists():
-            raise Refused(f'"{path}", which does not exist', "a crash test", "Paths count from the scenario's folder.", field="file") from None
+            raise Refused(
+                f'"{path}", which does not exist', "a crash test", "Paths count from the scenario's folder.", field="file"
+            ) from None
         raise Refused(f'"{path}"', "a crash test that can be read", str(problem), field="file") from None
 
 

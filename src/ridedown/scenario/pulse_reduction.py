@@ -69,9 +69,7 @@ def reduced(time: Floats, value: Floats) -> tuple[Floats, Floats]:
     velocity = _running(0.5 * np.diff(time) * (value[1:] + value[:-1]))
     bounds = _Bounds(VELOCITY_BAND * float(np.abs(velocity).max()), DISPLACEMENT_BAND, float(np.abs(value).max()))
     cuts = np.flatnonzero(np.diff(time) == 0.0) + 1
-    stretches = [
-        part for part in zip(np.split(time, cuts), np.split(value, cuts), strict=True) if part[0].size > 1
-    ]
+    stretches = [part for part in zip(np.split(time, cuts), np.split(value, cuts), strict=True) if part[0].size > 1]
     # each stretch ends with no error left, so that each may use the whole band
     parts = [_stretch(t, a, bounds) for t, a in stretches]
     return np.concatenate([knots for knots, _ in parts]), np.concatenate([values for _, values in parts])

@@ -39,7 +39,7 @@ def _named(name: str) -> Mapping[str, Any]:
 
 
 def is_network(data: Mapping[str, Any]) -> bool:
-    """Whether a mapping is a network's: `masses` tells it from a crash; with `elements` alone, the message is about the masses."""
+    """Whether a mapping is a network's. One with `elements` alone is: the message is then about the masses."""
     return ("masses" in data or "elements" in data) and "vehicle1" not in data
 
 
@@ -128,5 +128,3 @@ def _yaml(path: Path, text: str) -> Any:
     except (YAMLError, ValueError, RecursionError) as error:
         what = (str(error) or "not YAML").splitlines()[0]
         raise InvalidInput(f"{path}: got a YAML syntax error ({what}); need YAML. Mend it.") from None
-
-
