@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ridedown.apps import show
-from ridedown.apps.measured import checked
+from ridedown.apps.measured import checked, output
 from ridedown.errors import InvalidInput
 from ridedown.report.pulse import about, measure, motion_of, pulse_table, write_pulse
 from ridedown.response import Response
@@ -28,7 +28,10 @@ def pulse(
     motion = motion_of(scenario if isinstance(scenario, SledScenario) else _whole(simulate(source)), body)
     points = None
     if out is not None:
-        points = write_pulse(checked(str(out)), motion, name=scenario.name or "pulse", vehicle=body, curve=curve)
+        tabular = out.suffix.lower() in {".csv", ".tsv", ".parquet"}
+        points = write_pulse(
+            output(str(out)) if tabular else checked(str(out)), motion, name=scenario.name or "pulse", vehicle=body, curve=curve
+        )
     measured = measure(motion)
     if as_json:
         show.as_json({"name": scenario.name, "vehicle": body, **measured.as_json()})

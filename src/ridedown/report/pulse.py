@@ -23,7 +23,7 @@ from ridedown.signals.history import Floats
 from ridedown.signals.keyword import SUFFIXES, define_curve, write_keyword
 
 _KMH, _MS = 3.6, 1e3
-_SLED = "Vehicle on the sled; its motion is prescribed"
+_SLED = "Vehicle, as prescribed"
 _AT_REST = 1e-9  # of the speed at the start
 _TOLERANCE = 1e-4  # of the peak: how straight a curve is between the points that are written of it
 _FINE = 1e-6  # of the peak: the same, for what is measured on it
@@ -33,10 +33,11 @@ _FINE = 1e-6  # of the peak: the same, for what is measured on it
 class PulseMeasures:
     """A vehicle's pulse in numbers, SI; None where the vehicle does not do such a thing.
 
-    delta_v: of all changes of velocity since the start, the one of largest magnitude, with its sign. final_delta_v: velocity at the
-    end less that at the start. peak, peak_time: the acceleration of largest magnitude. last: when the last acceleration ends. displacement, displacement_time: the farthest
-    forward. time_to_rest: of the vehicle. olc: occupant load criterion. esw: equivalent square wave, from the way to standstill.
-    points: of a curve, between which the acceleration is straight to a ten-thousandth of its peak. duration: of all this.
+    delta_v: of all changes of velocity since the start, the one of largest magnitude, with its sign. final_delta_v: velocity at
+    the end less that at the start. peak, peak_time: the acceleration of largest magnitude. last: when the last acceleration
+    ends. displacement, displacement_time: the farthest forward. time_to_rest: of the vehicle. olc: occupant load criterion.
+    esw: equivalent square wave, from the way to standstill. points: of a curve, between which the acceleration is straight to a
+    ten-thousandth of its peak. duration: of all this.
     """
 
     speed: float
@@ -179,18 +180,24 @@ def write_pulse(path: Path, motion: PulseMotion, *, name: str, vehicle: str, cur
     """
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
-        time, acceleration, *_ = motion.knots(_TOLERANCE)
-        title = f"{vehicle} acceleration x"
-        remarks = (
-            f"{name}, by ridedown",
-            f"initial velocity {motion.speed:.9g} mm/ms; a braking car is negative (SAE J211)",
-        )
-        write_keyword(path, define_curve(time, acceleration, curve=curve, title=title, remarks=remarks))
-        return int(time.size)
-    if suffix not in {".csv", ".tsv", ".parquet"}:
-        raise InvalidInput(f"--out: got {path.name}; need *.k (LS-DYNA), *.csv, *.tsv or *.parquet. Choose such a name.")
-    step = motion.end / max(1, round(motion.end / 1e-4))
-    time = step * np.arange(round(motion.end / step) + 1)
+        return _write_keyword(path, motion, name, vehicle, curve)
+    if suffix in {".csv", ".tsv", ".parquet"}:
+        return _write_table(path, motion, name, vehicle)
+    raise InvalidInput(f"--out: got {path.name}; need *.k (LS-DYNA), *.csv, *.tsv or *.parquet. Choose such a name.")
+
+
+def _write_keyword(path: Path, motion: PulseMotion, name: str, vehicle: str, curve: int) -> int:
+    time, acceleration, *_ = motion.knots(_TOLERANCE)
+    about_speed = f"initial velocity {motion.speed:.9g} mm/ms; a braking car is negative (SAE J211)"
+    title, remarks = f"{vehicle} acceleration x", (f"{name}, by ridedown", about_speed)
+    write_keyword(path, define_curve(time, acceleration, curve=curve, title=title, remarks=remarks))
+    return int(time.size)
+
+
+def _write_table(path: Path, motion: PulseMotion, name: str, vehicle: str) -> int:
+    steps = max(1, round(motion.end / 1e-4))
+    step = motion.end / steps
+    time: Floats = step * np.arange(steps + 1, dtype=np.float64)
     acceleration, velocity, displacement = motion.at(time)
     acceleration = np.append(acceleration[:-1], motion.before(time[-1:])[0])  # what comes after the end is not of it
     made = (("acceleration", acceleration, "m/s2"), ("velocity", velocity, "m/s"), ("displacement", displacement, "m"))

@@ -70,7 +70,8 @@ class PulseMotion:
         length = np.diff(np.append(starts, self.end))
         orders = np.arange(self.series.shape[1])
         sizes = np.abs(self.series[: starts.size]) * length[:, None] ** orders
-        allowed = tolerance * sizes.sum(axis=1).max()
+        looked_at = starts[:, None] + length[:, None] * np.linspace(0.0, 1.0, 9)[:-1]
+        allowed = tolerance * np.abs(self.at(looked_at)[0]).max()
         # no more than this is any second derivative within the piece, times its length squared
         bend = (sizes * orders * (orders - 1)).sum(axis=1)
         parts = np.ones(starts.size) if allowed == 0.0 else np.maximum(np.ceil(np.sqrt(bend / (8.0 * allowed))), 1.0)

@@ -113,7 +113,9 @@ class SledScenario(Description):
         return speed
 
     def checks(self) -> Iterator[Check]:
-        """Rules between the fields."""
+        """Rules between the fields, those of the pulse first: the others ask it for its speed."""
+        for check in self.pulse.checks():
+            yield check._replace(field=f"pulse.{check.field}")
         known = self.speed is not None or self.pulse.change() is not None
         fix = "The record does not tell the vehicle's: add it."
         yield Check("speed", known, "nothing", 'the initial speed of the vehicle, such as "56 km/h"', fix)
