@@ -45,6 +45,7 @@ def scipys(sled: SledScenario) -> tuple[float, float]:
 
     slack_again.terminal, slack_again.direction = True, -1.0  # type: ignore[attr-defined]
     run = solve_ivp(held, (free.t[-1], sled.duration), free.y[:, -1], events=slack_again, dense_output=True, **options)
+    assert run.sol is not None
     fine = run.sol(np.linspace(run.t[0], run.t[-1], 40001))
     return float(force(*fine).max() / m), float(fine[0].max())
 

@@ -135,7 +135,7 @@ def test_numbers_have_paths():
         (EXAMPLES[3], {"pulse.peak_at": [0.1, 0.2]}, "pulse.peak_at: got 0.2 in row 1; need the same value in every row"),
         (EXAMPLES[4], {"pulse.fall": [0.1, 0.2]}, "pulse.fall: got 0.2 in row 1"),
         (EXAMPLES[6], {"pulse.crush": [0.62, 0.7]}, "pulse.crush: got 0.7 m in row 1"),
-        (POINTS, {"pulse.points.1.1": [-1.0, -2.0]}, "pulse.points.1: got a column"),
+        (POINTS, {"pulse.points.1.1": [-1.0, -2.0]}, "pulse.points.1.1: got -2 in row 1; need the same value in every row"),
         (POINTS, {"pulse.points.1.0": 0.2}, "pulse.points.2.0: got 0.09 s; need >= 0.2 s"),
     ],
 )

@@ -20,10 +20,10 @@ from ridedown.scenario.quantities import (
     Distance,
     Duration,
     Factor,
+    Instant,
     Number,
     Part,
     PeakDeceleration,
-    PulseTime,
     Truth,
     VelocityChange,
     read,
@@ -259,15 +259,14 @@ class PointsPulse(BasePulse):
     """Accelerations at times, straight between them and zero before the first and after the last; braking is negative."""
 
     kind: Literal["points"]
-    points: tuple[tuple[PulseTime, Acceleration], ...] = Field(
+    points: tuple[tuple[Instant, Acceleration], ...] = Field(
         description="pairs of time and acceleration, negative for braking; a time given twice is a jump"
     )
     scale: Factor = Field(1.0, description="factor on every acceleration")
 
     def lowered(self) -> network.Pulse:
         """The acceleration as the network takes it."""
-        time, value = np.array(self.points).T
-        return network.Pulse(*shapes.through(time, value), amplitude=self.scale)
+        return network.Pulse(*shapes.through(*self._numbers()), amplitude=self.scale)
 
     def change(self) -> Number:
         """The change of velocity [m/s]."""
@@ -275,15 +274,15 @@ class PointsPulse(BasePulse):
 
     def end(self) -> Number:
         """When the pulse is over [s]."""
-        return self.points[-1][0]
+        return float(self._numbers()[0][-1])
 
     def checks(self) -> Iterator[Check]:
         """Rules between the fields."""
         yield Check("points", 2 <= len(self.points) <= MOST_POINTS, f"{len(self.points)}", f"2 .. {MOST_POINTS} points")
-        column = next((i for i, point in enumerate(self.points) if any(isinstance(x, np.ndarray) for x in point)), None)
-        fix = "Only the size of this pulse can vary from row to row: use scale."
-        yield Check(f"points.{column}", column is None, "a column", "single values", fix)
-        time = np.array(self.points)[:, 0]
+        for i, j, number in self._columns():
+            alike = same_in_all(f"points.{i}.{j}", number)
+            yield alike._replace(fix="All rows share the shape of the pulse: vary its size with scale.")
+        time = self._numbers()[0]
         i = 1 + int(np.argmin(np.diff(time)))
         falls = f">= {time[i - 1]:g} s, the time before it"
         yield Check(f"points.{i}.0", bool(time[i] >= time[i - 1]), float(time[i]), falls, "Sort the points.", "s")
@@ -297,8 +296,23 @@ class PointsPulse(BasePulse):
         yield brakes("points", self._gone())
 
     def _gone(self) -> float:
-        time, value = np.array(self.points).T
+        time, value = self._numbers()
         return -float(np.trapezoid(value, time))
+
+    def _numbers(self) -> tuple[shapes.Floats, shapes.Floats]:
+        """Times [s] and accelerations [m/s2], (n,)."""
+        if next(self._columns(), None) is None:
+            time, value = np.array(self.points, dtype=np.float64).T
+        else:
+            time, value = np.array([[one_of(number) for number in point] for point in self.points]).T
+        return time, value
+
+    def _columns(self) -> Iterator[tuple[int, int, Number]]:
+        """The numbers that are columns, with their places."""
+        for i, point in enumerate(self.points):
+            for j, number in enumerate(point):
+                if isinstance(number, np.ndarray):
+                    yield i, j, number
 
 
 def brakes(field: str, gone: float) -> Check:

@@ -14,10 +14,10 @@ from pydantic import BeforeValidator, Field, StrictBool, WithJsonSchema
 from ridedown import network
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.base import Check
-from ridedown.scenario.pulse import BasePulse, brakes
+from ridedown.scenario.pulse import BasePulse, brakes, one_of, same_in_all
 from ridedown.scenario.pulse_reduction import reduced
 from ridedown.scenario.pulse_shapes import Floats, through
-from ridedown.scenario.quantities import Duration, Factor, Instant, Number, Refused
+from ridedown.scenario.quantities import Duration, Factor, Number, RecordTime, Refused
 from ridedown.signals import filtered, mean, read, reversed_sign, trimmed, zeroed
 from ridedown.signals.ev5 import SUFFIX as EV5
 from ridedown.signals.filters import Standard
@@ -90,7 +90,7 @@ class MeasuredPulse(BasePulse):
     )
     cfc: FrequencyClass = Field(60.0, description='channel frequency class, or "none"')
     standard: Standard = Field("SAE J211", description="whose filter")
-    time_zero: Instant = Field(0.0, description="time in the record at which the pulse begins")
+    time_zero: RecordTime = Field(0.0, description="time in the record at which the pulse begins")
     zero_offset: StrictBool = Field(default=False, description="whether the mean before time zero is taken off")
     reversed: StrictBool = Field(default=False, description="whether the sensor was mounted the other way round")
     window: Duration | None = Field(None, description="how much of the record to take from time zero on; all if left out")
@@ -104,7 +104,8 @@ class MeasuredPulse(BasePulse):
     def recorded(self) -> Recorded:
         """The pulse in the file, reduced. Raises: Refused, naming the field."""
         path = Path(self.file)
-        options = (self.channels, self.cfc, self.standard, self.time_zero, self.window)
+        window = None if self.window is None else one_of(self.window)
+        options = (self.channels, self.cfc, self.standard, one_of(self.time_zero), window)
         return _recorded(path, _stamp(path), *options, offset=self.zero_offset, turned=self.reversed)
 
     def lowered(self) -> network.Pulse:
@@ -130,8 +131,8 @@ class MeasuredPulse(BasePulse):
         yield Check("file", bool(self.file) and "\0" not in self.file, f'"{self.file!r}"', "the path of a test", "Give one.")
         yield Check("channels", bool(self.channels), "an empty list", "one channel at least", 'Give its number, as in "94".')
         for field in ("time_zero", "window"):
-            column = isinstance(getattr(self, field), np.ndarray)
-            yield Check(field, not column, "a column", "a single value", "Only scale can vary from row to row.")
+            if isinstance(given := getattr(self, field), np.ndarray):
+                yield same_in_all(field, given)._replace(fix="All rows share the shape of the pulse: vary its size with scale.")
         try:
             found = self.recorded()
         except Refused as refused:

@@ -229,9 +229,8 @@ Arm = Annotated[
     Quantity(LENGTH, least=0.0, fix="Arms are lengths; for members on one side of the bar's middle give rail_spacing."),
 ]
 Overlap = Annotated[float, Quantity(FRACTION, above=0.0, most=1.0, fix='Write 60 % as "60 %" or 0.6.')]
-Instant = Annotated[float, Quantity(TIME)]
-"""A time that may be negative: before time zero."""
-PulseTime = Annotated[float, Quantity(TIME, least=0.0, most=10.0, fix="A pulse begins at time 0.")]
+RecordTime = Annotated[float, Quantity(TIME)]
+"""A time on a record's clock, which may be negative: before time zero."""
 Acceleration = Annotated[float, Quantity(ACCELERATION)]
 """As SAE J211 has it: a braking car's is negative."""
 PeakDeceleration = Annotated[
