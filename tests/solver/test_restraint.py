@@ -295,3 +295,62 @@ def _by_small_steps(
         x += v * step
         top = max(top, x)
     return top, payout
+
+
+def test_a_damper_that_alone_gives_more_than_the_limit_slips_bare() -> None:
+    """The slack is gone at 4.5 m/s, so c v is 9 kN at once: the limiter lets all of it out until c v is down to its force."""
+    a, slack, damping, limit = 200.0, 0.05, 2000.0, 4000.0
+    solved = Solved(sled(spring(60e3, slack=slack, damping=damping, limits=(limit, np.inf)), pulse=constant(a)))
+    taken_up = np.sqrt(2.0 * slack / a)
+    assert solved.times[0] == pytest.approx(taken_up, rel=1e-12)
+    late = np.linspace(taken_up + 1e-9, 0.2, 400)
+    np.testing.assert_allclose(solved.at("driver.0.force", late), limit, rtol=1e-12)
+    # a - F / m > 0: it is drawn on faster and faster, so that the webbing never stretches
+    assert solved.phases.payout[0] == pytest.approx(solved.at("driver.excursion", 0.2) - slack, rel=1e-12)
+
+
+def test_bare_slip_ends_where_the_damper_gives_the_limit() -> None:
+    braking = points([0.0, 0.03, 0.0300001, 0.2], [-200.0, -200.0, 0.0, 0.0])
+    damping, limit, slack = 2000.0, 9000.0, 0.05
+    solved = Solved(sled(spring(60e3, slack=slack, damping=damping, limits=(limit, np.inf)), pulse=braking, duration=0.1))
+    force = solved.at("driver.0.force", np.linspace(0.0, 0.1, 2001))
+    assert force.max() == pytest.approx(limit, rel=1e-12)
+    paid_out, top = solved.phases.payout[0], solved.largest("driver.excursion")[0]
+    assert 0.0 < paid_out < top - slack
+    late = np.linspace(0.06, 0.09, 50)  # the reel is fixed by then
+    line = 60e3 * (solved.at("driver.excursion", late) - slack - paid_out)
+    line += damping * solved.at("driver.excursion_velocity", late)
+    np.testing.assert_allclose(solved.at("driver.0.force", late), np.maximum(line, 0.0), rtol=1e-9, atol=1e-6)
+
+
+def test_a_belt_that_closes_above_a_stall_force_is_stalled_at_once() -> None:
+    a, slack, damping = 200.0, 0.03, 2500.0
+    timers = _pull(Action.PULL_1, 0.010, 0.010, 0.10)
+    solved = Solved(sled(spring(60e3, slack=slack, damping=damping, stalls=(1500.0, np.inf), timers=timers), pulse=constant(a)))
+    closed = next(t for t, change in zip(solved.times, solved.changes, strict=True) if change == (0, 1))
+    taken_in = 0.10 / 0.010 * (closed - 0.010)
+    speed = solved.at("driver.excursion_velocity", closed)
+    assert damping * speed > 1500.0
+    late = np.linspace(closed, 0.05, 200)[1:]
+    line = 60e3 * (solved.at("driver.excursion", late) - slack + taken_in) + damping * solved.at(
+        "driver.excursion_velocity", late
+    )
+    np.testing.assert_allclose(solved.at("driver.0.force", late), line, rtol=1e-10)
+    assert line.min() > 1500.0
+
+
+@pytest.mark.parametrize("unloading", [None, 400e3])
+def test_a_weaker_second_stage_of_a_damped_belt(unloading: float | None) -> None:
+    law = Restraint(
+        (0.0, 0.02),
+        (0.0, 1000.0),
+        (50e3, 100e3),
+        damping=900.0,
+        unloading=unloading,
+        limits=(5000.0, 1800.0),
+        timers=(Timer(Action.STAGE_2, 0.05),),
+    )
+    solved = Solved(sled(law))
+    force = solved.at("driver.0.force", np.linspace(0.0501, 0.09, 300))
+    np.testing.assert_allclose(force, 1800.0, rtol=1e-12)
+    assert solved.phases.payout[0] == pytest.approx(-solved.phases.reel[0], rel=1e-12)

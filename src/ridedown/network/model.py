@@ -120,7 +120,8 @@ class Restraint:
     pulls at the rate that its timers set, while the force is below its stall force `stalls[n]`; at that force it holds the
     belt or pulls no faster than keeps it there. A load limiter lets out belt at the force `limits[0]`; when it has let out
     `payouts[0]` in all, or at an `Action.STAGE_2` timer, the force is `limits[1]`; when it has let out `payouts[1]` in all, it
-    stops for good. Infinite where there is none.
+    stops for good. Infinite where there is none. While it slips or is held, the reel lies where curve(e) + damping d' is just
+    that force; with e = 0 where the damper alone gives more. Pieces that start below such a force must rise.
 
     Fill: 1; or 0 at first if `empty`, and then as `Action.FILL` timers say.
     """

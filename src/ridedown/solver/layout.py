@@ -24,11 +24,12 @@ A, B, GD0, GV0, G0, GA, DRIFT = range(7)
 """Rows of a guard: a (d - d0) + b (v - v0); a restraint's has g0 and ga d'' added, and its d0 falls at the rate DRIFT."""
 GUARD_ROWS = 7
 
-LATCH, SET, PIECE, REEL, PAYOUT, STAGE, BRANCH, RATE, STALLED = 0, 1, 2, 3, 4, 5, 6, 7, 9
+LATCH, SET, PIECE, REEL, PAYOUT, STAGE, BRANCH, BARE, RATE, STALLED = 0, 1, 2, 3, 4, 5, 6, 7, 8, 10
 """Rows of a law's memory. Threshold: v*. Curves: largest deflection so far, permanent set, piece unloaded from (0: never).
 Restraints: belt that the reel has taken in, and that its limiter has let out; the limiter's stage, 2 for its stop; the mode
-that the belt is in but for its reel; and, for each of two pretensioners, the rate of its pull and whether it is stalled."""
-MEMORY_ROWS = 11
+that the belt is in but for its reel; whether its damper alone gives the limiter's force; and, for each of two pretensioners,
+the rate of its pull and whether it is stalled."""
+MEMORY_ROWS = 12
 
 BEST, WHEN = range(2)
 """Rows of a tracked extreme: the best so far, and its time."""

@@ -189,8 +189,8 @@ def march(s, x, w, out, record, tolerance, with_work):
             lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, w.trial, q, tan, step, last, power
         )
         events.find(
-            lanes, law, pair_element, second_pair, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner,
-            poly, room,
+            lanes, law, pair_element, second_pair, guard, d, crash, last, idle, step, power, event, pending, pending_count,
+            falling, owner, poly, room,
         )  # fmt: skip
         _powers(lanes, step, power)
         extremes.track_all(

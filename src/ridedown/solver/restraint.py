@@ -9,14 +9,16 @@
                                                      f - low; high - f
     n + 1 unloading line   line                      e - touch; e_max - e; f - low; high - f
     n + 2 clipped          0                         minus the line; e - touch; and what keeps it on its branch
-    n + 3, n + 4 slipping  the limiter's, stage 1, 2 f_fixed'; payout left
-    n + 5, n + 6 held      stall force of 1, 2       f_fixed' with this pretensioner pulling; minus f_fixed' with it stalled
+    n + 3, n + 4 slipping  the limiter's, stage 1, 2 f_fixed'; payout left; and what keeps e on its branch
+    n + 5, n + 6 held      stall force of 1, 2       f_fixed' with this pretensioner pulling; minus f_fixed' with it stalled;
+                                                     and what keeps e on its branch
     n + 7 free             0                         none; a timer locks the reel
 
 `low` is the highest stall force of the pretensioners that pull in vain, or zero; `high` the lowest force at which something
 gives: a pretensioner stalls, the limiter slips. f_fixed' = k (v + r) + c d'' is how fast the force would rise if the reel
 stayed as it is: while it slips or holds at a constant force, the reel lies where the branch's line gives just that force, so
-that nothing jumps when it is fixed again.
+that nothing jumps when it is fixed again. A belt that is taken up so fast that its damper alone gives more than the limiter
+lets through has no such place: until then it slips *bare*, with no elongation.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ import numpy as np
 from ridedown.compiled import inlined, part
 from ridedown.network import Action
 from ridedown.solver.layout import (
+    BARE,
     BRANCH,
     D0,
     DRIFT,
@@ -67,6 +70,7 @@ COEFFICIENTS = 9
 KNOT, FORCE, SLOPE = range(3)
 
 _NEVER = 1e300
+_JUMP = 1e-7  # what the force may be above the one that something gives at, and count as having come there by itself
 
 
 @part
@@ -117,34 +121,43 @@ def enter(e, l, crash, after, piece_start, coefficients, pieces, pair, line, gua
     elif after == count + FREE:
         _line(e, l, 0.0, 0.0, 0.0, 0.0, 0.0, line)
     else:
-        _enter_given(e, l, crash, after - count, k, c, e0, f0, pull, coefficients, line, guard, memory)
+        _enter_given(
+            e, l, crash, after - count, first, count, k, c, e0, f0, pull, coefficients, pieces, pair, line, guard, memory
+        )
 
 
 @part
-def _enter_given(e, l, crash, kind, k, c, e0, f0, pull, coefficients, line, guard, memory):
+def _enter_given(e, l, crash, kind, first, count, k, c, e0, f0, pull, coefficients, pieces, pair, line, guard, memory):
     """A mode in which the force is given and the reel gives way: slipping, or held by a pretensioner."""
+    force = _given(e, crash, kind, coefficients)
+    bare = memory[memory_at(e, BARE) + l] > 0.0
     if kind >= HELD_1:
         n = kind - HELD_1
-        force = coefficients[STALL + n, e, crash]
-        others = pull - (0.0 if memory[memory_at(e, STALLED + n) + l] > 0.0 else memory[memory_at(e, RATE + n) + l])
         rate = memory[memory_at(e, RATE + n) + l]
-        if k > 0.0:
-            _guard(2 * e, l, 0.0, k, 0.0, -(others + rate), 0.0, c, 0.0, guard)
-            _guard(2 * e + 1, l, 0.0, -k, 0.0, -others, 0.0, -c, 0.0, guard)
-        else:
-            _guard(2 * e, l, 0.0, c, 0.0, 0.0, f0 - force, 0.0, 0.0, guard)
+        others = pull - (0.0 if memory[memory_at(e, STALLED + n) + l] > 0.0 else rate)
+        _guard(2 * e, l, 0.0, k, 0.0, -(others + rate), 0.0, c, 0.0, guard)
+        _guard(2 * e + 1, l, 0.0, -k, 0.0, -others, 0.0, -c, 0.0, guard)
     else:
-        n = kind - SLIPPING_1
-        force, most = coefficients[LIMIT + n, e, crash], coefficients[PAYOUTS + n, e, crash]
-        if k > 0.0:
-            _guard(2 * e, l, 0.0, k, 0.0, -pull, 0.0, c, 0.0, guard)
+        most = coefficients[PAYOUTS + kind - SLIPPING_1, e, crash]
+        if bare:
+            _guard(2 * e, l, 0.0, c, 0.0, 0.0, -force, 0.0, 0.0, guard)
         else:
-            _guard(2 * e, l, 0.0, c, 0.0, 0.0, f0 - force, 0.0, 0.0, guard)
-        if most < _NEVER:  # payout so far and what the reel gives from here on: w less (elongation at this force + slack - d)
-            stretch = (force - f0) / k if k > 0.0 else 0.0
-            left = most - memory[memory_at(e, PAYOUT) + l] - memory[memory_at(e, REEL) + l]
-            left += e0 + stretch + coefficients[SLACK, e, crash]
-            _guard(2 * e + 1, l, -1.0, -c / k if k > 0.0 else 0.0, 0.0, 0.0, left, 0.0, 0.0, guard)
+            _guard(2 * e, l, 0.0, k, 0.0, -pull, 0.0, c, 0.0, guard)
+        if most < _NEVER:  # payout so far and what the reel gives from here on: w less (elongation + slack - d)
+            left = most - memory[memory_at(e, PAYOUT) + l] - memory[memory_at(e, REEL) + l] + coefficients[SLACK, e, crash]
+            left += max(memory[memory_at(e, SET) + l], 0.0) if bare else e0 + (force - f0) / k
+            _guard(2 * e + 1, l, -1.0, 0.0 if bare else -c / k, 0.0, 0.0, left, 0.0, 0.0, guard)
+    if c > 0.0 and not bare:
+        branch = int(memory[memory_at(e, BRANCH) + l])
+        if branch <= count and coefficients[STIFFNESS, e, crash] > 0.0:  # it grows no longer: on to the unloading line
+            _guard(2 * pair, l, 0.0, 0.0, 0.0, 0.0, 0.0, -c, 0.0, guard)
+        else:
+            _guard(2 * pair, l, 0.0, -c, 0.0, 0.0, force - f0, 0.0, 0.0, guard)
+        if branch < count:
+            _guard(2 * pair + 1, l, 0.0, c, 0.0, 0.0, pieces[FORCE, first + branch, crash] - force, 0.0, 0.0, guard)
+        elif branch > count:
+            top = k * (memory[memory_at(e, LATCH) + l] - memory[memory_at(e, SET) + l])
+            _guard(2 * pair + 1, l, 0.0, c, 0.0, 0.0, top - force, 0.0, 0.0, guard)
     _line(e, l, 0.0, 0.0, 0.0, force, 0.0, line)
 
 
@@ -158,10 +171,10 @@ def next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memor
             memory[memory_at(e, STALLED + n) + l] = 0.0
         return 1 if memory[memory_at(e, PIECE) + l] == 0.0 else count + UNLOADING
     if now <= count + UNLOADING:
-        if which >= 2:
+        if which == 3:
+            return _give(e, l, crash, now, d, v, first, count, coefficients, pieces, memory)
+        if which == 2:
             memory[memory_at(e, BRANCH) + l] = now
-            if which == 3:
-                return count + _what_gives(e, l, crash, coefficients, memory)
             return count + _what_pulls_again(e, l, crash, coefficients, memory)
         if now > count:
             return OPEN if which == 0 else int(memory[memory_at(e, PIECE) + l])
@@ -185,14 +198,69 @@ def next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memor
         else:
             memory[memory_at(e, BRANCH) + l] = branch - 1
         return now
+    if which >= 2 and _moves_along(e, l, crash, which, d, v, now - count, branch, first, count, coefficients, pieces, memory):
+        return now
     settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode)
+    bare = memory[memory_at(e, BARE) + l] > 0.0
+    memory[memory_at(e, BARE) + l] = 0.0
     if now >= count + HELD_1:
-        memory[memory_at(e, STALLED + now - count - HELD_1) + l] = float(which)
+        memory[memory_at(e, STALLED + now - count - HELD_1) + l] = 0.0 if which == 0 else 1.0
     elif which == 1:
         n = now - count - SLIPPING_1
         memory[memory_at(e, PAYOUT) + l] = coefficients[PAYOUTS + n, e, crash]
         memory[memory_at(e, STAGE) + l] = n + 1.0
+    elif bare:
+        return now
     return branch
+
+
+@part
+def _moves_along(e, l, crash, which, d, v, kind, branch, first, count, coefficients, pieces, memory):
+    """A belt whose reel gives way goes on to another branch of its curve; or answers that there is none further down."""
+    after = branch + 1
+    if which == 3 and branch > count:
+        after = int(memory[memory_at(e, PIECE) + l])
+    elif which == 2:
+        after = branch - 1
+        if branch <= count and coefficients[STIFFNESS, e, crash] > 0.0:
+            elongation = _elongation(e, l, crash, v, kind, branch, first, count, coefficients, pieces, memory)
+            reel = memory[memory_at(e, REEL) + l]
+            memory[memory_at(e, REEL) + l] = elongation + coefficients[SLACK, e, crash] - d
+            _unload(e, l, crash, branch, d, first, coefficients, pieces, memory)
+            memory[memory_at(e, REEL) + l] = reel
+            after = count + UNLOADING
+        elif after == OPEN or branch > count:
+            if kind < HELD_1:
+                memory[memory_at(e, BARE) + l] = 1.0
+                return True
+            return False
+    memory[memory_at(e, BRANCH) + l] = after
+    return True
+
+
+@part
+def _give(e, l, crash, now, d, v, first, count, coefficients, pieces, memory):
+    """The force of a branch has gone above what something gives at: a pretensioner is held or stalls, the limiter slips."""
+    memory[memory_at(e, BRANCH) + l] = now
+    kind = _what_gives(e, l, crash, coefficients, memory)
+    given = _given(e, crash, kind, coefficients)
+    k, e0, f0 = _branch(e, l, crash, now, first, count, coefficients, pieces, memory)
+    elongation = d - coefficients[SLACK, e, crash] + memory[memory_at(e, REEL) + l]
+    damper = coefficients[DAMPING, e, crash] * v
+    jumped = f0 + k * (elongation - e0) + damper > given * (1.0 + _JUMP)
+    if kind >= HELD_1 and jumped:  # it lets nothing out
+        memory[memory_at(e, STALLED + kind - HELD_1) + l] = 1.0
+        return now
+    if jumped:  # the limiter lets out at once what brings the force down
+        branch = now
+        if now <= count and coefficients[STIFFNESS, e, crash] > 0.0:
+            _unload(e, l, crash, now, d, first, coefficients, pieces, memory)
+            branch = count + UNLOADING
+        while 1 < branch <= count and given - damper < pieces[FORCE, first + branch - 1, crash]:
+            branch -= 1
+        memory[memory_at(e, BRANCH) + l] = branch
+        memory[memory_at(e, BARE) + l] = 1.0 if damper > given else 0.0
+    return count + kind
 
 
 @part
@@ -203,16 +271,28 @@ def settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode):
     if not count + SLIPPING_1 <= now <= count + HELD_2:
         return
     branch = int(memory[memory_at(e, BRANCH) + l])
-    k, e0, f0 = _branch(e, l, crash, branch, piece_start[e], count, coefficients, pieces, memory)
-    slips = now <= count + SLIPPING_2
-    n = now - count - (SLIPPING_1 if slips else HELD_1)
-    force = coefficients[(LIMIT if slips else STALL) + n, e, crash]
+    elongation = _elongation(e, l, crash, v, now - count, branch, piece_start[e], count, coefficients, pieces, memory)
     before = memory[memory_at(e, REEL) + l]
-    stretch = (force - f0 - coefficients[DAMPING, e, crash] * v) / k if k > 0.0 else 0.0
-    after = e0 + stretch + coefficients[SLACK, e, crash] - d
+    after = elongation + coefficients[SLACK, e, crash] - d
     memory[memory_at(e, REEL) + l] = after
-    if slips:
+    if now <= count + SLIPPING_2:
         memory[memory_at(e, PAYOUT) + l] += before - after
+
+
+@part
+def _elongation(e, l, crash, v, kind, branch, first, count, coefficients, pieces, memory):
+    """Elongation of a belt whose reel gives way: where its branch's line gives the force that it has."""
+    if memory[memory_at(e, BARE) + l] > 0.0:
+        return max(memory[memory_at(e, SET) + l], 0.0)
+    k, e0, f0 = _branch(e, l, crash, branch, first, count, coefficients, pieces, memory)
+    force = _given(e, crash, kind, coefficients)
+    return e0 + (force - f0 - coefficients[DAMPING, e, crash] * v) / k
+
+
+@inlined
+def _given(e, crash, kind, coefficients):
+    """The force of a mode, given by its number after the pieces', in which the reel gives way."""
+    return coefficients[LIMIT + kind - SLIPPING_1 if kind < HELD_1 else STALL + kind - HELD_1, e, crash]
 
 
 @part
@@ -231,6 +311,7 @@ def fire(e, l, crash, action, value, d, v, piece_start, coefficients, pieces, pa
     force = line[line_at(e, F0) + l] + line[line_at(e, K) + l] * (d - line[line_at(e, D0) + l]) + line[line_at(e, C) + l] * v
     if count + SLIPPING_1 <= now <= count + HELD_2:
         settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode)
+        memory[memory_at(e, BARE) + l] = 0.0
         now = int(memory[memory_at(e, BRANCH) + l])
     if action == STAGE_2:
         memory[memory_at(e, STAGE) + l] = max(memory[memory_at(e, STAGE) + l], 1.0)
