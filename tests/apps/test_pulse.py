@@ -158,3 +158,9 @@ def test_a_sled_goes_to_a_laboratory_format(tmp_path):
     record = read(tmp_path / "sled.zip")
     assert record.vehicles[0].speed == pytest.approx(50 / 3.6, rel=1e-6)
     assert invoke("criteria", str(tmp_path / "sled.zip")).exit_code == 0
+    code = record.channel("vehicle1.acceleration").code
+    pulse = {"kind": "measured", "file": str(tmp_path / "sled.zip"), "channels": code}
+    again = load({"pulse": pulse, "occupants": [o.model_dump(exclude_none=True) for o in load("sled-half-sine").occupants]})
+    assert again.initial_speed == pytest.approx(50 / 3.6, rel=1e-6)
+    one, other = simulate(load("sled-half-sine")), simulate(again)
+    assert other.peak("adult.acceleration").value == pytest.approx(one.peak("adult.acceleration").value, rel=5e-3)  # CFC 60

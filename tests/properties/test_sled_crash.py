@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
 from typing import Any
 
 import numpy as np
 import pytest
 
 from ridedown import load, simulate
-from ridedown.scenario import CrashScenario, NetworkScenario, SledScenario
+from ridedown.scenario import CrashScenario, NetworkScenario, SledScenario, dump
 
 CHILD = {
     "kind": "child",
@@ -57,6 +58,16 @@ def test_the_other_vehicle():
     assert isinstance(crash, CrashScenario)
     people = [o.model_copy(update={"coupled": False}) for o in crash.occupants]
     assert_same(crash.model_copy(update={"occupants": tuple(people)}), vehicle=2)
+
+
+def test_restraints_with_everything_on():
+    crash = load("example-restraints")
+    assert isinstance(crash, CrashScenario)
+    people = [o.model_copy(update={"coupled": False}) for o in crash.occupants]
+    crash = crash.model_copy(update={"occupants": tuple(people)})
+    assert_same(crash)
+    sled = followed(crash)
+    assert load(tomllib.loads(dump(sled))) == sled
 
 
 def test_a_wall_with_a_plastic_front_and_a_child():

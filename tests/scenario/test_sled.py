@@ -199,6 +199,11 @@ def test_the_nearest_name_is_offered():
         substitute(sled(SINE), {"pulse.deltav": 3.0})
 
 
+def test_a_sled_follows_one_crash_not_many():
+    many = substitute(load(WALL), {"vehicle1.mass": [1400.0, 1500.0]})
+    assert refusal({"kind": "scenario", "scenario": many}).startswith("pulse.scenario: got a scenario of columns")
+
+
 def test_a_sled_has_one_vehicle_that_nothing_pushes():
     assert refusal(SINE, occupants=[{**ADULT, "vehicle": 2}]).startswith("occupants.0.vehicle: got 2; need 1.")
     assert refusal(SINE, occupants=[{**ADULT, "coupled": True}]).startswith("occupants.0.coupled: got true; need false")

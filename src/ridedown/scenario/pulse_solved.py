@@ -102,7 +102,23 @@ class ScenarioPulse(BasePulse):
         else:
             known = ["1"] if self.scenario.vehicle2 is None else ["1", "2"]
         shown = str(self.vehicle) if isinstance(self.vehicle, int) else f'"{self.vehicle}"'
+        yield Check(
+            "scenario",
+            _single(self.scenario),
+            "a scenario of columns",
+            "one crash",
+            "Substitute in the sled, or make a sled of each.",
+        )
         yield Check("vehicle", self.speed_of_body() is not None, shown, f"one of {', '.join(known)}")
+
+
+def _single(scenario: Crash) -> bool:
+    """Whether a scenario holds single values only, which have a hash."""
+    try:
+        hash(scenario)
+    except TypeError:
+        return False
+    return True
 
 
 def pieces_of(start: np.ndarray, length: np.ndarray, series: np.ndarray) -> Pulse:
