@@ -84,7 +84,7 @@ def run(
         from ridedown.report.summary import run_data
         from ridedown.simulation import simulate
 
-        _say_if_cold()
+        _compile_if_cold()
         with show.working("simulating"):
             response = simulate(loaded, throw=False)
         if out is not None:
@@ -241,11 +241,21 @@ def _plain_errors() -> Iterator[None]:
         _refuse(f"{where}{error.strerror or error}.")
 
 
-def _say_if_cold() -> None:
-    from ridedown.solver.march import is_cold
+def _compile_if_cold() -> None:
+    import ridedown.criteria.head
+    import ridedown.solver.march  # noqa: F401 - the kernels of both
+    from ridedown.compiled import can_be_kept, unkept
 
-    if is_cold():
-        typer.echo("compiling the solver, once; about half a minute", err=True)
+    of_criteria = ("ridedown.criteria.windows:best_window", "ridedown.criteria.levels:highest_reached")
+    missing = [name for start in (*of_criteria, "ridedown.solver.") for name in unkept(start)]
+    if missing and can_be_kept(missing[0]):
+        from ridedown.apps.first_run import compile_side_by_side
+
+        typer.echo("compiling the solver, once; ten to twenty seconds", err=True)
+        compile_side_by_side(missing)
+    elif missing:
+        where = "RIDEDOWN_CACHE_DIR, a folder to keep it in, cannot be written or is not set"
+        typer.echo(f"compiling the solver, some twenty seconds each time: {where}", err=True)
 
 
 def _refuse(sentence: str) -> None:
@@ -264,7 +274,7 @@ def _simulated(scenario: str) -> Response:
     from ridedown.simulation import simulate
 
     loaded = load(scenario)
-    _say_if_cold()
+    _compile_if_cold()
     with show.working("simulating"):
         return simulate(loaded, throw=False)
 
@@ -293,7 +303,7 @@ def _reproduce(*, as_json: bool, out: Path | None) -> None:
     from ridedown.paper import reproduce
     from ridedown.paper.page import numbers_table, trends_table
 
-    _say_if_cold()
+    _compile_if_cold()
     with show.progress("simulating the paper", reproduce.STEPS) as advance:
         reproduction = reproduce.reproduce(advance)
     if out is not None:
@@ -315,7 +325,7 @@ def _identify(*, as_json: bool, out: Path | None) -> None:
     from ridedown.paper.identify import identify
     from ridedown.paper.page import numbers_table
 
-    _say_if_cold()
+    _compile_if_cold()
     with show.working("identifying the vehicle from the ten numbers; up to two minutes"):
         found = identify()
     if out is not None:

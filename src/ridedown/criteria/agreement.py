@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ridedown.compiled import kernel, part
-from ridedown.criteria.checks import Floats
+from ridedown.criteria.checks import Floats, Table
 
 INNER, OUTER = 0.05, 0.5
 """Half the widths of the corridors, of the reference's largest magnitude."""
@@ -181,7 +181,7 @@ def _slope(reference: Floats, i: int, candidate: Floats, j: int, size: int) -> f
 
 
 @kernel
-def scores(reference: Floats, candidate: Floats, level: Floats, work: Floats, band: Floats) -> Scores:
+def scores(reference: Floats, candidate: Floats, level: Table, work: Table, band: Table) -> Scores:
     """Corridor, phase, magnitude and slope score, and the shift of the candidate.
 
     reference, candidate: (n,); level: (4, n), the two less their means, and those backwards; work: (10, n); band: (4, m), m at

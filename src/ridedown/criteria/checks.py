@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from ridedown.errors import InvalidInput
 
 Floats = NDArray[np.float64]
+Table = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+"""Numbers in two dimensions, as the kernels' annotations say them."""
 
 STANDARD_GRAVITY = 9.80665
 """m/s2, the g of every criterion: the standard acceleration of free fall (third CGPM, 1901)."""

@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ridedown.compiled import inlined, kernel, part
 from ridedown.criteria.checks import Floats
 
 # What a window may gain and still be passed over, relative in HIC^2: rounding of V is of that size.
 _SLACK = 1e-12
+
+_Stack = np.ndarray[tuple[int, int], np.dtype[np.int64]]
 
 Window = tuple[float, float, float]
 """HIC^2, start and end [s]."""
@@ -195,7 +196,7 @@ def _block_bound(
 @kernel
 def best_window(
     time: Floats, a: Floats, window: float, sampled: bool,  # noqa: FBT001 - kernels take no keywords
-    velocity: Floats, least: Floats, most: Floats, highest: Floats, stack: NDArray[np.int64],
+    velocity: Floats, least: Floats, most: Floats, highest: Floats, stack: _Stack,
 ) -> Window:  # fmt: skip
     """HIC^2 of the best window of at most this length, in the unit of `a`, its start and its end [s].
 

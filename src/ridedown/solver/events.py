@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.compiled import inlined, part
+from ridedown.compiled import inlined, kernel, part
+from ridedown.network.model import Floats, Ints
 from ridedown.solver import laws, polynomial, together
-from ridedown.solver.layout import DEGREE, DRIFT, G0, GA, GD0, GV0, STRIDE, A, B, at, guard_at, row
+from ridedown.solver.layout import DEGREE, DRIFT, G0, GA, GD0, GV0, STRIDE, A, B, Table, at, guard_at, row
 from ridedown.solver.vector import ALL_LANES, WIDTH, first_lane, lanes_of, load, spread, store, where
 
 GAP_ROUND_OFF = 1e-14  # m
@@ -30,11 +31,12 @@ for each guard of the element at hand, what its own cannot come before."""
 POWER_ROWS = DEGREE + 7
 
 
-@part
+@kernel
 def find(
-    lanes, law, pair_element, second_pair, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling,
-    owner, poly, room,
-):  # fmt: skip
+    lanes: int, law: Ints, pair_element: Ints, second_pair: Ints, guard: Floats, d: Floats, crash: Ints, last: Floats,
+    idle: Floats, step: Floats, power: Floats, event: Ints, pending: Ints, pending_count: Ints, falling: Floats, owner: Ints,
+    poly: Floats, room: Table,
+) -> None:  # fmt: skip
     """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
     The step of a lane with an event shrinks to it, and `pending`, empty at first, names the guards whose modes change then.

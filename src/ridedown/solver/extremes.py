@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.compiled import inlined, part
+from ridedown.compiled import inlined, kernel, part
 from ridedown.network import Family
+from ridedown.network.model import Floats, Ints
 from ridedown.solver import polynomial, together
-from ridedown.solver.layout import BEST, DEGREE, STRIDE, WHEN, at, extreme_at, row
+from ridedown.solver.layout import BEST, DEGREE, STRIDE, WHEN, Cube, Table, at, extreme_at, row
 from ridedown.solver.vector import WIDTH, first_lane, lanes_of, load, store, where
 
 POSITION, RATE, ACCELERATION, DEFLECTION, DEFLECTION_RATE, FORCE = (int(family) for family in Family)
@@ -25,11 +26,13 @@ SAMPLED = 2
 _ORDER = np.arange(DEGREE + 1.0)
 
 
-@part
+@kernel
 def track_all(
-    lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, series,
-    time, step, power, extreme, falling, owner, poly, room, crash, until, sample_time, sampled, samples,
-):  # fmt: skip
+    lanes: int, tracked_start: Ints, tracked_family: Ints, tracked_index: Ints, tracked_weight: Floats, tracked_sense: Ints,
+    q: Floats, acc: Floats, d: Floats, f: Floats, series: Floats, time: Floats, step: Floats, power: Floats,
+    extreme: Floats, falling: Floats, owner: Ints, poly: Floats, room: Table, crash: Ints, until: Floats,
+    sample_time: Floats, sampled: Ints, samples: Cube,
+) -> None:  # fmt: skip
     """Raise every tracked extreme by what this step holds, and take the samples that lie in it.
 
     `falling` and `owner` are room for polynomials solved together; `sampled` says how many samples a lane has.

@@ -5,7 +5,13 @@ Everything that the lanes carry is kept in rows of STRIDE numbers, one number a 
 
 from __future__ import annotations
 
+import numpy as np
+
 from ridedown.compiled import inlined
+
+Table = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+Cube = np.ndarray[tuple[int, int, int], np.dtype[np.float64]]
+"""Numbers in two and in three dimensions, as the kernels' annotations say them."""
 
 STRIDE = 72
 """Lanes there is room for, in whole vectors; how many are in use is up to the caller."""

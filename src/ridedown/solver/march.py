@@ -15,11 +15,11 @@ The rules that leave no event out (docs/theory.md, "Events"):
 from __future__ import annotations
 
 from enum import IntEnum
-from pathlib import Path
 
 import numpy as np
 
-from ridedown.compiled import folder_of, inlined, kernel, part
+from ridedown.compiled import inlined, kernel, part
+from ridedown.network.model import Floats, Ints
 from ridedown.solver import events, extremes, laws, restraint, series
 from ridedown.solver.layout import (
     BEST,
@@ -36,6 +36,8 @@ from ridedown.solver.layout import (
     SET,
     STRIDE,
     WHEN,
+    Cube,
+    Table,
     at,
     extreme_at,
     guard_at,
@@ -56,6 +58,7 @@ from ridedown.solver.vector import (
     store,
     where,
 )
+from ridedown.solver.workspace import Lanes, Numbers, Record, Results, Structure
 
 
 class Stop(IntEnum):
@@ -85,19 +88,13 @@ _TINY = 1e-300  # a coefficient below it sets no step
 _BRAKING_TIME = 0.05  # s: a crash brakes its speed in about so long; sets the scale of acceleration
 
 
-def is_cold() -> bool:
-    """Whether the march has still to be compiled on this machine (some seconds, once)."""
-    folder = folder_of(Path(__file__).resolve().parent)
-    return folder is None or not any(folder.rglob("march.march-*.nbc"))
-
-
 @kernel
-def march(s, x, w, out, record, tolerance, with_work):
+def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tolerance: float, with_work: bool) -> None:
     """Solve every crash of the columns `x`; results into `out`, and the phases of lane 0 into `record` if it has room.
 
     `tolerance`: what the last acceleration coefficients of a step may amount to, over the crash's own scale of acceleration.
     """
-    # plain arrays from here on: named tuples passed on cost reference counts
+    # plain arrays from here on; a named tuple that is read further down is copied whole each time it is read
     parent, law, lever, bars, bar_of, arm = s.parent, s.law, s.lever, s.bar_coordinate, s.bar_of, w.arm
     term_start, term_coordinate, term_sign = s.term_start, s.term_coordinate, s.term_sign
     pull_start, pull_element, pull_sign = s.pull_start, s.pull_element, s.pull_sign
@@ -116,6 +113,9 @@ def march(s, x, w, out, record, tolerance, with_work):
     tracked_start, tracked_family, tracked_index = s.tracked_start, s.tracked_family, s.tracked_index
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
+    conjugate, free, sample_time, trial = s.conjugate, s.free, s.sample_time, w.trial
+    inertia, rate, arms, timer_time, pulse_amplitude = x.inertia, x.rate, x.arm, x.timer_time, x.pulse_amplitude
+    samples, kept = out.samples, record.kept
 
     timed = driven >= 0 or timer_element.size > 0
     places = min(STRIDE, duration.size)
@@ -127,66 +127,35 @@ def march(s, x, w, out, record, tolerance, with_work):
         event[l] = events.NO_EVENT
 
     while True:
-        for l in range(places if taken < duration.size else 0):
-            if crash[l] == NO_CRASH and taken < duration.size:
-                _load(
-                    l, taken, x.inertia, x.rate, x.arm, duration, x.timer_time, timed, crash, until, pause, time, last, steps,
-                    idle, q, inverse_inertia, scale, arm, timer, piece, sampled,
-                )  # fmt: skip
-                _open(
-                    l, taken, law, piece_start, coefficients, pieces, second_pair, s.free, empty, line, guard, memory, mode,
-                    work, tracked_sense.size, extreme,
-                )  # fmt: skip
-                taken += 1
-                active += 1
+        if active < places and taken < duration.size:
+            before = taken
+            taken = _take(
+                taken, places, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps,
+                idle, q, inverse_inertia, scale, arm, timer, piece, sampled, law, piece_start, coefficients, pieces,
+                second_pair, free, empty, line, guard, memory, mode, work, tracked_sense.size, extreme,
+            )  # fmt: skip
+            active += taken - before
         if active == 0:
             break
         series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, turn, d)
-        for l in range(lanes):  # the mode beyond each guard that has turned negative
-            if pending_count[l] == 0:
-                continue
-            changed = -1
-            for n in range(pending_count[l]):
-                g = pending[row(n) + l]
-                e = pair_element[g // 2]
-                if e != changed:
-                    changed = e
-                    _change(
-                        e, g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory,
-                        mode, log,
-                    )  # fmt: skip
-            pending_count[l] = 0
-        for l in range(lanes if timed else 0):  # what is due at this time
-            if crash[l] >= 0 and time[l] >= pause[l]:
-                number = crash[l]
-                for t in range(timer_element.size):
-                    if timer[row(t) + l] <= time[l]:
-                        timer[row(t) + l] = np.inf
-                        _fire(
-                            t, l, number, time[l], timer_element[t], timer_action[t], timer_value[t, number], d, piece_start,
-                            coefficients, pieces, second_pair, line, guard, memory, mode, log,
-                        )  # fmt: skip
-                if driven >= 0:
-                    _next_piece(
-                        l, time[l], pulse_start, pulse_series, x.pulse_amplitude[number], pulse_length[number], pulse, origin,
-                        piece,
-                    )  # fmt: skip
-                pause[l] = _next_pause(l, until[l], pulse_start, pulse_length[number], driven, piece, timer, timer_element.size)
-        if driven >= 0:
-            series.drive(lanes, driven, pulse_series.shape[1], pulse, origin, time, acc)
+        _change_modes(
+            lanes, pair_element, pending, pending_count, crash, time, d, law, piece_start, coefficients, pieces, second_pair,
+            line, guard, memory, mode, log,
+        )  # fmt: skip
+        if timed:
+            _keep_time(
+                lanes, driven, timer_element, timer_action, timer_value, pulse_start, pulse_series, pulse_amplitude,
+                pulse_length, crash, until, pause, time, timer, pulse, origin, piece, d, acc, piece_start, coefficients, pieces,
+                second_pair, line, guard, memory, mode, log,
+            )  # fmt: skip
 
-        for j in range(DEGREE):
-            if j > 0:
-                series.tangents(lanes, j, bars, q, tan, sec2, turn)
-            series.forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
-            if j < DEGREE - 1:
-                series.accelerations(
-                    lanes, j, s.conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
-                    sec2, moment, f, acc, q,
-                )  # fmt: skip
+        series.expand(
+            lanes, conjugate, law, empty, parent, driven, term_start, term_coordinate, term_sign, lever, pull_start,
+            pull_element, pull_sign, bars, bar_of, arm, inverse_inertia, line, q, tan, sec2, turn, moment, d, f, acc,
+        )  # fmt: skip
 
         _choose_steps(
-            lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, w.trial, q, tan, step, last, power
+            lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, trial, q, tan, step, last, power
         )
         events.find(
             lanes, law, pair_element, second_pair, guard, d, crash, last, idle, step, power, event, pending, pending_count,
@@ -195,18 +164,18 @@ def march(s, x, w, out, record, tolerance, with_work):
         _powers(lanes, step, power)
         extremes.track_all(
             lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, lane_series,
-            time, step, power, extreme, falling, owner, poly, room, crash, until, s.sample_time, sampled, out.samples,
+            time, step, power, extreme, falling, owner, poly, room, crash, until, sample_time, sampled, samples,
         )  # fmt: skip
         if with_work:
             _add_work(lanes, law.size, step, d, f, work)
         if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:
-            _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, record.kept)
+            _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, kept)
         _advance(lanes, parent.size, step, last, pause, time, steps, idle, q, scale)
         for e in range(law.size):
             if law[e] == laws.RESTRAINT:
                 _move_on(lanes, e, second_pair[e], step, line, guard, memory)
 
-        full = phases.shape[0] > 0 and (record.kept[0] >= phases.shape[0] or int(log[0, 0]) + 1 >= log.shape[0])
+        full = phases.shape[0] > 0 and (kept[0] >= phases.shape[0] or int(log[0, 0]) + 1 >= log.shape[0])
         for block in range(0, lanes, WIDTH):
             stopped = ALL_LANES if full else _stopped(block, until, pause, last, steps, idle, scale, bars, q)
             while stopped != 0:
@@ -222,6 +191,29 @@ def march(s, x, w, out, record, tolerance, with_work):
                     until[l] = 0.0
                     pending_count[l] = 0
                     active -= 1
+
+
+@kernel
+def _take(
+    taken: int, places: int, inertia: Table, rate: Table, arms: Table, duration: Floats, timer_time: Table, timed: bool,
+    crash: Ints, until: Floats, pause: Floats, time: Floats, last: Floats, steps: Floats, idle: Floats, q: Floats,
+    inverse_inertia: Floats, scale: Floats, arm: Floats, timer: Floats, piece: Ints, sampled: Ints, law: Ints,
+    piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, free: Ints, empty: Ints, line: Floats,
+    guard: Floats, memory: Floats, mode: Ints, work: Floats, tracked: int, extreme: Floats,
+) -> int:  # fmt: skip
+    """Put the next crashes into the lanes that have none. How many crashes have been taken by now."""
+    for l in range(places):
+        if crash[l] == NO_CRASH and taken < duration.size:
+            _load(
+                l, taken, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
+                inverse_inertia, scale, arm, timer, piece, sampled,
+            )  # fmt: skip
+            _open(
+                l, taken, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work,
+                tracked, extreme,
+            )  # fmt: skip
+            taken += 1
+    return taken
 
 
 @part
@@ -274,6 +266,27 @@ def _open(
         extreme[extreme_at(k, WHEN) + l] = 0.0
 
 
+@kernel
+def _change_modes(
+    lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, d: Floats, law: Ints,
+    piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats,
+    mode: Ints, log: Table,
+) -> None:  # fmt: skip
+    """The mode beyond each guard that has turned negative."""
+    for l in range(lanes):
+        changed = -1
+        for n in range(pending_count[l]):
+            g = pending[row(n) + l]
+            e = pair_element[g // 2]
+            if e != changed:
+                changed = e
+                _change(
+                    e, g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory,
+                    mode, log,
+                )  # fmt: skip
+        pending_count[l] = 0
+
+
 @inlined
 def _change(
     e, g, l, number, time, d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
@@ -289,6 +302,33 @@ def _change(
         after = laws.next_mode(e, l, number, g % 2 == 1, here, rate, law, piece_start, coefficients, pieces, memory, mode)
         laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
     _note(time, e, before, after, log)
+
+
+@kernel
+def _keep_time(
+    lanes: int, driven: int, timer_element: Ints, timer_action: Ints, timer_value: Table, pulse_start: Floats,
+    pulse_series: Table, pulse_amplitude: Floats, pulse_length: Floats, crash: Ints, until: Floats, pause: Floats, time: Floats,
+    timer: Floats, pulse: Floats, origin: Floats, piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Cube,
+    pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats, mode: Ints, log: Table,
+) -> None:  # fmt: skip
+    """What is due at this time: timers, and the next piece of the pulse; and the driven body's acceleration from here on."""
+    for l in range(lanes):
+        if crash[l] >= 0 and time[l] >= pause[l]:
+            number = crash[l]
+            for t in range(timer_element.size):
+                if timer[row(t) + l] <= time[l]:
+                    timer[row(t) + l] = np.inf
+                    _fire(
+                        t, l, number, time[l], timer_element[t], timer_action[t], timer_value[t, number], d, piece_start,
+                        coefficients, pieces, second_pair, line, guard, memory, mode, log,
+                    )  # fmt: skip
+            if driven >= 0:
+                _next_piece(
+                    l, time[l], pulse_start, pulse_series, pulse_amplitude[number], pulse_length[number], pulse, origin, piece
+                )
+            pause[l] = _next_pause(l, until[l], pulse_start, pulse_length[number], driven, piece, timer, timer_element.size)
+    if driven >= 0:
+        series.drive(lanes, driven, pulse_series.shape[1], pulse, origin, time, acc)
 
 
 @part

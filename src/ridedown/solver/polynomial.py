@@ -15,6 +15,8 @@ from math import comb
 import numpy as np
 
 from ridedown.compiled import kernel, part
+from ridedown.network.model import Floats
+from ridedown.solver.layout import Table
 
 MAX_DEGREE = 24
 NO_ROOT = 2.0
@@ -139,7 +141,7 @@ def _next_interval(start, width):
 
 
 @kernel
-def first_root(p, room):
+def first_root(p: Floats, room: Table) -> float:
     """The first t in (0, 1] at which a polynomial that is positive at 0 turns negative, or NO_ROOT.
 
     `room` is to work in, of shape WORK_SHAPE.
@@ -167,7 +169,7 @@ def first_root(p, room):
 
 
 @kernel
-def maximum(p, best, room):
+def maximum(p: Floats, best: float, room: Table) -> tuple[float, float]:
     """The largest value on [0, 1] and where, or (best, -1) if nothing there exceeds `best`."""
     n = p.size - 1
     where = -1.0

@@ -25,8 +25,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.compiled import inlined, part
+from ridedown.compiled import inlined, kernel, part
 from ridedown.network import Action
+from ridedown.network.model import Floats, Ints
 from ridedown.solver.layout import (
     BARE,
     BRANCH,
@@ -51,6 +52,7 @@ from ridedown.solver.layout import (
     A,
     B,
     C,
+    Cube,
     K,
     guard_at,
     line_at,
@@ -73,8 +75,11 @@ _NEVER = 1e300
 _JUMP = 1e-7  # what the force may be above the one that something gives at, and count as having come there by itself
 
 
-@part
-def enter(e, l, crash, after, piece_start, coefficients, pieces, pair, line, guard, memory, mode):
+@kernel
+def enter(
+    e: int, l: int, crash: int, after: int, piece_start: Ints, coefficients: Cube, pieces: Cube, pair: int, line: Floats,
+    guard: Floats, memory: Floats, mode: Ints,
+) -> None:  # fmt: skip
     """Put restraint e of lane l into mode `after`: its line of force and its four guards, of pair e and of `pair`."""
     first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
     mode[row(e) + l] = after
@@ -161,8 +166,11 @@ def _enter_given(e, l, crash, kind, first, count, k, c, e0, f0, pull, coefficien
     _line(e, l, 0.0, 0.0, 0.0, force, 0.0, line)
 
 
-@part
-def next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memory, mode):
+@kernel
+def next_mode(
+    e: int, l: int, crash: int, which: int, d: float, v: float, piece_start: Ints, coefficients: Cube, pieces: Cube,
+    memory: Floats, mode: Ints,
+) -> int:  # fmt: skip
     """The mode on the other side of guard `which` (0 to 3) of restraint e; takes down what it must remember."""
     first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
     now = mode[row(e) + l]
@@ -263,8 +271,11 @@ def _give(e, l, crash, now, d, v, first, count, coefficients, pieces, memory):
     return count + kind
 
 
-@part
-def settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode):
+@kernel
+def settle(
+    e: int, l: int, crash: int, d: float, v: float, piece_start: Ints, coefficients: Cube, pieces: Cube, memory: Floats,
+    mode: Ints,
+) -> None:  # fmt: skip
     """Where the reel is, of a restraint that slips or is held: its line, fixed there, gives the force that it has."""
     count = piece_start[e + 1] - piece_start[e]
     now = mode[row(e) + l]
@@ -295,8 +306,11 @@ def _given(e, crash, kind, coefficients):
     return coefficients[LIMIT + kind - SLIPPING_1 if kind < HELD_1 else STALL + kind - HELD_1, e, crash]
 
 
-@part
-def fire(e, l, crash, action, value, d, v, piece_start, coefficients, pieces, pair, line, guard, memory, mode):
+@kernel
+def fire(
+    e: int, l: int, crash: int, action: int, value: float, d: float, v: float, piece_start: Ints, coefficients: Cube,
+    pieces: Cube, pair: int, line: Floats, guard: Floats, memory: Floats, mode: Ints,
+) -> None:  # fmt: skip
     """A timer of restraint e goes off: do what its action says."""
     count = piece_start[e + 1] - piece_start[e]
     now = mode[row(e) + l]

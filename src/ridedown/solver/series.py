@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ridedown.compiled import inlined, part
+from ridedown.compiled import inlined, kernel, part
+from ridedown.network.model import Floats, Ints
 from ridedown.solver.laws import ELASTIC, PLASTIC, RESTRAINT
-from ridedown.solver.layout import D0, F0, FILL, FILLING, PULL, STRIDE, V0, C, K, at, line_at, row
+from ridedown.solver.layout import D0, DEGREE, F0, FILL, FILLING, PULL, STRIDE, V0, C, K, at, line_at, row
 from ridedown.solver.vector import WIDTH, load, spread, store
 
 _TANGENT = np.array(
@@ -70,8 +71,27 @@ def _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, 
     return total
 
 
+@kernel
+def expand(
+    lanes: int, conjugate: bool, law: Ints, empty: Ints, parent: Ints, driven: int, term_start: Ints, term_coordinate: Ints,
+    term_sign: Floats, lever: Ints, pull_start: Ints, pull_element: Ints, pull_sign: Floats, bar_coordinate: Ints, bar_of: Ints,
+    arm: Floats, inverse_inertia: Floats, line: Floats, q: Floats, tan: Floats, sec2: Floats, turn: Floats, moment: Floats,
+    d: Floats, f: Floats, acc: Floats,
+) -> None:  # fmt: skip
+    """The series of the step, order by order, from the state at its start and the modes there."""
+    for j in range(DEGREE):
+        if j > 0:
+            _tangents(lanes, j, bar_coordinate, q, tan, sec2, turn)
+        _forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
+        if j < DEGREE - 1:
+            _accelerations(
+                lanes, j, conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
+                sec2, moment, f, acc, q,
+            )  # fmt: skip
+
+
 @inlined
-def tangents(lanes, j, bar_coordinate, q, tan, sec2, turn):
+def _tangents(lanes, j, bar_coordinate, q, tan, sec2, turn):
     """sec2[j], then tan[j + 1], by T' = (1 + T^2) theta'."""
     for b in range(bar_coordinate.size):
         rate, first, last = at(bar_coordinate[b], j + 1), at(b, 0), at(b, j)
@@ -140,7 +160,7 @@ def _line_of(e, j, l, k, c, pull, line, d):
 
 
 @inlined
-def forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
+def _forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
     """d[j + 1] of every element, then f[j] by its law's line in its present mode."""
     order = float(j + 1)
     for e in range(lever.size):
@@ -179,7 +199,7 @@ def forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, 
 
 
 @inlined
-def accelerations(
+def _accelerations(
     lanes, j, conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of, sec2, moment,
     f, acc, q,
 ):  # fmt: skip

@@ -18,7 +18,7 @@ from ridedown.network import Law, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import events, together
 from ridedown.solver.extremes import SAMPLED
-from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, MEMORY_ROWS, ORDERS, STRIDE
+from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, MEMORY_ROWS, ORDERS, STRIDE, Cube, Table
 from ridedown.solver.polynomial import WORK_SHAPE
 from ridedown.solver.vector import WIDTH
 
@@ -47,7 +47,7 @@ class Structure(NamedTuple):
     timer_action: Ints
     driven: int  # coordinate with a prescribed acceleration, -1 = none
     pulse_start: Floats
-    pulse_series: Floats
+    pulse_series: Table
     tracked_start: Ints  # (k + 1,) terms of each tracked quantity
     tracked_family: Ints  # of each term: a Family
     tracked_index: Ints
@@ -59,13 +59,13 @@ class Structure(NamedTuple):
 class Numbers(NamedTuple):
     """The numbers of a network, a column a crash."""
 
-    inertia: Floats  # (i, R)
-    rate: Floats  # (i, R)
-    arm: Floats  # (e, R)
-    coefficients: Floats  # (9, e, R) stiffness, damping, slack, limits, payouts, stall forces; the first 3, without restraints
-    pieces: Floats  # (3, p, R) knot, force, slope
-    timer_time: Floats  # (t, R)
-    timer_value: Floats  # (t, R)
+    inertia: Table  # (i, R)
+    rate: Table  # (i, R)
+    arm: Table  # (e, R)
+    coefficients: Cube  # (9, e, R) stiffness, damping, slack, limits, payouts, stall forces; the first 3, without restraints
+    pieces: Cube  # (3, p, R) knot, force, slope
+    timer_time: Table  # (t, R)
+    timer_value: Table  # (t, R)
     pulse_amplitude: Floats  # (R,)
     pulse_length: Floats  # (R,)
     duration: Floats  # (R,)
@@ -119,7 +119,7 @@ class Lanes(NamedTuple):
     owner: Ints  # and two numbers for each: whose it is
     series: Floats
     poly: Floats
-    room: Floats
+    room: Table
 
 
 class Tracked(NamedTuple):
@@ -139,23 +139,23 @@ class Results(NamedTuple):
     stop: Ints  # (R,) of march.Stop
     time: Floats  # (R,) reached
     steps: Ints
-    position: Floats  # (i, R) at the end
-    rate: Floats
-    set: Floats  # (e, R)
-    reel: Floats  # (e, R) belt taken in
-    payout: Floats  # (e, R) belt that the load limiter let out
-    work: Floats  # (e, R) done on each element, if asked for
-    best: Floats  # (k, R) extremes tracked
-    best_time: Floats
-    samples: Floats  # (s, T, R) of the sampled quantities; NaN where a crash stopped before
+    position: Table  # (i, R) at the end
+    rate: Table
+    set: Table  # (e, R)
+    reel: Table  # (e, R) belt taken in
+    payout: Table  # (e, R) belt that the load limiter let out
+    work: Table  # (e, R) done on each element, if asked for
+    best: Table  # (k, R) extremes tracked
+    best_time: Table
+    samples: Cube  # (s, T, R) of the sampled quantities; NaN where a crash stopped before
 
 
 class Record(NamedTuple):
     """The phases of one crash and its changes of mode, as `march` notes them down."""
 
     kept: Ints  # (1,) how many phases
-    phases: Floats  # (n, ORDERS + 1, columns) first row: time, step; then the series by order, columns q, d, f
-    log: Floats  # (n + 1, 4) first row: how many; then time, element, mode before, mode after
+    phases: Cube  # (n, ORDERS + 1, columns) first row: time, step; then the series by order, columns q, d, f
+    log: Table  # (n + 1, 4) first row: how many; then time, element, mode before, mode after
 
 
 def lanes_for(network: Network, tracked: int) -> Lanes:

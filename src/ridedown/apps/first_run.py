@@ -1,0 +1,31 @@
+"""The first run on a machine: what it needs is compiled side by side, in as many processes as there are processors."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+
+from ridedown.compiled import build
+
+_MOST_PROCESSES = 4  # there are not many more long kernels than that
+
+
+def compile_side_by_side(kernels: Sequence[str]) -> None:
+    """Compile kernels and keep them. What cannot be done so is compiled when it is called."""
+    processes = min(_processors(), _MOST_PROCESSES, len(kernels))
+    if processes < 2:
+        return
+    try:
+        with ProcessPoolExecutor(processes, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_DFL)) as pool:
+            for done in [pool.submit(build, name) for name in kernels]:
+                done.result()
+    except (OSError, ImportError, BrokenProcessPool):  # no processes can be started here, or one was ended
+        return
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
