@@ -16,13 +16,13 @@ from ridedown.scenario.pulse import (
     BasePulse,
     EquivalentSquareWave,
     FmvssPulse,
-    PointsPulse,
     SimplePulse,
     TippedEquivalentSquareWave,
     TrapezoidPulse,
     TrianglePulse,
 )
 from ridedown.scenario.pulse_measured import MeasuredPulse
+from ridedown.scenario.pulse_points import PointsPulse
 from ridedown.scenario.pulse_solved import ScenarioPulse
 from ridedown.scenario.quantities import Duration, Number, Refused, Velocity
 
