@@ -3,6 +3,7 @@
 <channel>.peak          largest magnitude                      <channel>.peak_time   and when [s]
 <channel>.max, .min     largest and smallest value             <channel>.max_time, .min_time
 <body>.displacement.final, <body>.velocity.final               at the end
+<body>.velocity.change                                         velocity at the end less that at the start
 <element>.absorbed      work done on an element [J]            <element>.residual    permanent set of a plastic curve [m]
 energy.initial, energy.final                                   kinetic energy of all bodies [J]
 
@@ -166,6 +167,8 @@ def _known(network: Network, every: Mapping[str, Channel]) -> Iterator[tuple[str
             yield f"{name}.{sense}_time", "s"
         if all(family in {Family.POSITION, Family.RATE} for family, _, _ in channel.terms):
             yield f"{name}.final", channel.unit
+        if name.endswith(".velocity"):
+            yield f"{name}.change", channel.unit
     for e, element in enumerate(network.elements):
         yield f"{element}.absorbed", "J"
         if network.law[e] == Law.PLASTIC:
@@ -206,6 +209,9 @@ def _value(name: str, plan: Wanted, network: Network, solved: Solved) -> Floats:
         state = {Family.POSITION: solved.position, Family.RATE: solved.rate}
         total: Floats = sum(weight * state[family][index] for family, index, weight in plan.channels[stem].terms)
         return total
+    if kind == "change":
+        change: Floats = sum(weight * (solved.rate - network.rate)[index] for _, index, weight in plan.channels[stem].terms)
+        return change
     element = network.elements.index(stem)
     column: Floats = solved.work[element] if kind == "absorbed" else np.maximum(solved.set[element], 0.0)
     return column

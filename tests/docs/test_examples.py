@@ -1,4 +1,4 @@
-"""Every TOML block in the documentation is a scenario that loads."""
+"""Every TOML block in the documentation is a scenario or a calibration that loads."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from ridedown.scenario import dump, load
+from ridedown.studies import load_calibration
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = [
@@ -24,6 +25,9 @@ def test_there_are_examples():
 
 @pytest.mark.parametrize("block", BLOCKS)
 def test_example_loads_and_comes_back(block):
+    if "[[cases]]" in block:
+        assert load_calibration(tomllib.loads(block))[0].parameters
+        return
     scenario = load(tomllib.loads(block))
     assert load(tomllib.loads(dump(scenario))) == scenario
 

@@ -13,9 +13,9 @@ from ridedown.paper.candidates import UNKNOWNS, crash, scenario_of, values_of, w
 from ridedown.paper.identify import MOST_CRUSH, NEAR, identify
 from ridedown.paper.numbers import PRINTED, headlines
 from ridedown.paper.reproduce import reproduce
-from ridedown.paper.search import Effort, runs
 from ridedown.scenario import load, parameters, substitute
 from ridedown.simulation import simulate
+from ridedown.studies.search import Effort, runs
 
 LITTLE = Effort(restarts=1, sample=64, population=16, generations=6, patience=6)
 SOME = Effort(restarts=3, sample=256, population=64, generations=150, patience=40)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ridedown.response import Response
 
 BAD_INPUT, STOPPED = 2, 3
-"""Exit codes: something given cannot be used; the simulation stopped before its end."""
+"""Exit codes: something given cannot be used; the simulation, or a search, was stopped before its end."""
 
 app = typer.Typer(
     name="ridedown",
@@ -177,6 +177,26 @@ def pulse(
 
 
 @app.command()
+def calibrate(
+    path: Annotated[str, typer.Argument(metavar="FILE", help="A calibration: TOML or YAML (see docs/calibration.md).")],
+    as_json: Json = False,
+    out: Out = None,
+) -> None:
+    """Find a model's parameters from tests.
+
+    Prints the parameters with their bands, how well each channel and number is met, what cannot be
+    told apart, and predictions. Ctrl-C ends the search with the best so far. With --out also writes
+    an HTML page, figures, results and the fitted scenarios.
+    """
+    with _plain_errors():
+        from ridedown.apps.output import check_folder
+
+        if out is not None:
+            check_folder(out)
+        _calibrate(path, as_json=as_json, out=out)
+
+
+@app.command()
 def paper(
     as_json: Json = False,
     out: Out = None,
@@ -317,6 +337,34 @@ def _reproduce(*, as_json: bool, out: Path | None) -> None:
     show.tables(numbers_table(reproduction.headlines), trends_table(reproduction.trends))
     show.note("The vehicle is a reconstruction: the paper does not print its data.")
     _say_written(out)
+
+
+def _calibrate(path: str, *, as_json: bool, out: Path | None) -> None:
+    from ridedown.apps import show
+    from ridedown.apps.output import staged
+    from ridedown.report import calibration as report
+    from ridedown.report import calibration_tables
+    from ridedown.studies import calibrate, load_calibration
+
+    load_calibration(path)  # what is wrong with the file is said before the solver is compiled
+    _compile_if_cold()
+    with show.searching("calibrating") as progress:
+        found = calibrate(path, progress=progress)
+    if out is not None:
+        with show.working("drawing"), staged(out) as stage:
+            report.write(found, stage)
+    if as_json:
+        show.as_json(found.as_json())
+    else:
+        if found.calibration.title:
+            show.note(f"{found.calibration.title}. {found.calibration.description}".strip() + "\n")
+        show.tables(*calibration_tables.tables(found), calibration_tables.correlations(found))
+        for warning in found.warnings:
+            show.note(f"Note: {warning}")
+        _say_written(out)
+    if found.interrupted:
+        typer.echo("ridedown: interrupted: these are the best parameters so far.", err=True)
+        raise typer.Exit(STOPPED)
 
 
 def _identify(*, as_json: bool, out: Path | None) -> None:

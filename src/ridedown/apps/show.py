@@ -51,6 +51,15 @@ def progress(what: str, steps: int) -> Iterator[Callable[[str], None]]:
         yield lambda step: bar.update(task, advance=1, description=step)
 
 
+@contextmanager
+def searching(what: str) -> Iterator[Callable[[str, int, float], None]]:
+    """Say on stderr how a search goes: call what it yields with what is done, candidates tried and the least misfit."""
+    with console(stderr=True).status(what) as status:
+        yield lambda stage, tried, best: status.update(
+            f"{what}: {stage}, {tried} candidates, misfit {best:.4g}; Ctrl-C ends it"
+        )
+
+
 def catalogue_list() -> None:
     """Print every entry of the catalogue: name, how sure its numbers are, what it is."""
     entries = [catalogue.entry(name) for name in catalogue.names()]

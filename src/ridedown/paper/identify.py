@@ -17,10 +17,10 @@ from ridedown.paper import cases
 from ridedown.paper.candidates import UNKNOWNS, Crashes, crash, scenario_of, values_of, with_vehicle
 from ridedown.paper.numbers import PRINTED, ROUNDING, Headline, headlines
 from ridedown.paper.reproduce import Reproduction
-from ridedown.paper.search import Effort, Found, runs
 from ridedown.paper.trends import trends
 from ridedown.scenario import CrashScenario, dump
 from ridedown.simulation import simulate
+from ridedown.studies.search import Effort, Found, runs
 
 Floats = NDArray[np.float64]
 

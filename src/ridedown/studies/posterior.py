@@ -1,0 +1,125 @@
+"""The posterior of the parameters by Markov chains, where bands from derivatives are not trusted.
+
+The likelihood is that of independent normal values, as many in a channel as its residuals are worth (see `uncertainty`), with
+the standard deviation that the fit leaves; even priors within the bounds on the scales of the search, and the file's own
+priors.
+
+References: D. Foreman-Mackey, D. Hogg, D. Lang, J. Goodman, emcee: the MCMC hammer, PASP 125, 2013.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ridedown.errors import InvalidInput
+from ridedown.studies.problem import Problem
+from ridedown.studies.targets import ChannelTarget, Evaluation
+from ridedown.studies.uncertainty import Uncertainty, noise_of
+from ridedown.studies.unknowns import values_of
+
+Floats = NDArray[np.float64]
+
+_STEPS, _BURNT = 500, 150
+_LEAST_WALKERS = 24
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Posterior:
+    """Draws (S, n) of the parameters' values, SI, their names, the chains' acceptance and autocorrelation time in steps."""
+
+    names: tuple[str, ...]
+    draws: Floats
+    acceptance: float
+    autocorrelation: float
+
+    def quantiles(self, name: str) -> tuple[float, float, float]:
+        """2.5 %, 50 % and 97.5 % of a parameter."""
+        low, middle, high = np.quantile(self.draws[:, self.names.index(name)], [0.025, 0.5, 0.975])
+        return float(low), float(middle), float(high)
+
+    def as_json(self) -> dict[str, Any]:
+        """Quantiles by the parameters' names, and how the chains went."""
+        return {
+            "parameters": {
+                name: dict(zip(("low", "median", "high"), self.quantiles(name), strict=True)) for name in self.names
+            },
+            "draws": len(self.draws),
+            "acceptance": self.acceptance,
+            "autocorrelation_steps": self.autocorrelation,
+        }
+
+
+def sample(
+    problem: Problem, point: Floats, found: Uncertainty, seed: int, progress: Callable[[str, int, float], None] | None = None
+) -> Posterior:
+    """Draw from the posterior, starting around the best point. Raises: InvalidInput where emcee is not installed."""
+    try:
+        import emcee  # noqa: PLC0415  an optional package
+    except ImportError:
+        raise InvalidInput("posterior: got no package emcee; need it for chains. pip install 'ridedown[posterior]'") from None
+
+    n = point.size
+    walkers = max(2 * n + 2, _LEAST_WALKERS)
+    rng = np.random.default_rng(seed)
+    noise = _noise(problem, point)
+
+    def log_density(points: Floats) -> Floats:
+        inside = ((points >= 0.0) & (points <= 1.0)).all(axis=1)
+        density = np.full(len(points), -np.inf)
+        if inside.any():
+            density[inside] = _log_likelihood(problem, points[inside], noise)
+        return density
+
+    spread = np.linalg.cholesky(found.within_box + 1e-12 * np.eye(n))
+    start = np.clip(point + 0.5 * rng.standard_normal((walkers, n)) @ spread.T, 1e-6, 1.0 - 1e-6)
+    sampler = emcee.EnsembleSampler(walkers, n, log_density, vectorize=True)
+    state = emcee.State(start, random_state=np.random.RandomState(rng.integers(2**32)).get_state())
+    for step, _ in enumerate(sampler.sample(state, iterations=_STEPS), 1):
+        if progress is not None:
+            progress("posterior", step * walkers, float("nan"))
+    tau = float(np.max(sampler.get_autocorr_time(quiet=True, tol=0)))
+    draws = sampler.get_chain(discard=_BURNT, flat=True)
+    return Posterior(
+        tuple(unknown.name for unknown in problem.unknowns),
+        values_of(problem.unknowns, draws),
+        float(np.mean(sampler.acceptance_fraction)),
+        tau,
+    )
+
+
+def _noise(problem: Problem, point: Floats) -> dict[tuple[str, str], float]:
+    """What the squares of a channel's errors are divided by: its variance, and how many samples make an independent value."""
+    found = {}
+    for case in problem.cases:
+        evaluation = case.evaluate(values_of(problem.unknowns, point[None]))
+        for target in case.channels:
+            thinned = _errors(target, evaluation)[0, :: target.thinning]
+            noise = noise_of(thinned, np.zeros((thinned.size, 0)))
+            tied = target.thinning * max((1.0 + noise.phi) / (1.0 - noise.phi), 1.0)
+            found[case.name, target.name] = max(noise.deviation**2, 1e-300) * tied
+    return found
+
+
+def _errors(target: ChannelTarget, evaluation: Evaluation) -> Floats:
+    assert target.measured is not None, "checked when the file was read"
+    return evaluation.channels[target.name] - target.measured
+
+
+def _log_likelihood(problem: Problem, points: Floats, noise: dict[tuple[str, str], float]) -> Floats:
+    values = values_of(problem.unknowns, points)
+    total = np.zeros(len(points))
+    for case in problem.cases:
+        evaluation = case.evaluate(values)
+        for target in case.channels:
+            total += (_errors(target, evaluation) ** 2).sum(axis=1) / noise[case.name, target.name]
+        for number in case.numbers:
+            total += (number.residuals(evaluation.outcomes[number.name]) ** 2).sum(axis=1)
+    for i, unknown in enumerate(problem.unknowns):
+        if unknown.prior is not None:
+            total += ((values[:, i] - unknown.prior[0]) / unknown.prior[1]) ** 2
+    return np.where(np.isnan(total), -np.inf, -0.5 * total)
