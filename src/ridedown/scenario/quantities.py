@@ -83,6 +83,35 @@ def read(value: object, dimension: Dimension) -> float:
     return number
 
 
+def read_any(text: str) -> tuple[float, Dimension]:
+    """The value in SI units of text with a unit of any dimension, and that dimension.
+
+    >>> value, dimension = read_any("98.1 kN/m")
+    >>> value, dimension.called
+    (98100.0, 'a stiffness')
+
+    Raises: Refused, where it is no number with a unit that scenarios know.
+    """
+    match = _NUMBER.fullmatch(text)
+    unit = tidied(match.group(2)) if match else ""
+    shown = f'"{text if len(text) <= 60 else text[:57] + "..."}"'
+    if not unit:
+        raise Refused(shown, 'a bare number, or text with a unit such as "98.1 kN/m"')
+    return _read_text(text, _dimension_of(shown, unit)), _DIMENSION_OF[unit]
+
+
+def dimension_of(unit: str) -> Dimension:
+    """The dimension that a unit measures. Raises: Refused for one that scenarios do not know."""
+    return _dimension_of(f'"{unit}"', tidied(unit))
+
+
+def _dimension_of(shown: str, unit: str) -> Dimension:
+    if unit in _DIMENSION_OF:
+        return _DIMENSION_OF[unit]
+    near = [u for u in _DIMENSION_OF if u.lower() == unit.lower()] or difflib.get_close_matches(unit, _DIMENSION_OF, n=1)
+    raise Refused(shown, "a unit that scenario files know", f'Did you mean "{near[0]}"?' if near else "")
+
+
 def _read_text(text: str, dimension: Dimension) -> float:
     shown = f'"{text if len(text) <= 60 else text[:57] + "..."}"'
     match = _NUMBER.fullmatch(text)
