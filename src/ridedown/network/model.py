@@ -228,6 +228,11 @@ class Network:
             coordinate = int(self.parent[coordinate])
         return links
 
+    def rows(self, rows: Ints) -> Network:
+        """The same network with these of its crashes."""
+        numbers: dict[str, Any] = {name: getattr(self, name)[..., rows] for name in NUMBERS}
+        return replace(self, **numbers)
+
     def widened(self, size: int) -> Network:
         """The same network with every column of that length, where it holds a single crash."""
         if self.size == size:

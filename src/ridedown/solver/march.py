@@ -364,10 +364,10 @@ def _next_piece(l, time, start, shape, amplitude, length, pulse, origin, piece):
         return
     piece[l] = n
     origin[l] = start[n] * length
-    factor = amplitude
+    factor, per = amplitude, 1.0 / length
     for j in range(shape.shape[1]):
         pulse[row(j) + l] = factor * shape[n, j]
-        factor /= length
+        factor *= per
 
 
 @part

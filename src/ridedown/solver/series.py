@@ -16,7 +16,7 @@ from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver.laws import ELASTIC, PLASTIC, RESTRAINT
 from ridedown.solver.layout import D0, DEGREE, F0, FILL, FILLING, PULL, STRIDE, V0, C, K, at, line_at, row
-from ridedown.solver.vector import WIDTH, load, spread, store
+from ridedown.solver.vector import WIDTH, lanes_of, load, spread, store
 
 _TANGENT = np.array(
     [1, 1 / 3, 2 / 15, 17 / 315, 62 / 2835, 1382 / 155925, 21844 / 6081075, 929569 / 638512875, 6404582 / 10854718875]
@@ -124,6 +124,8 @@ def drive(lanes, driven, orders, pulse, origin, time, acc):
         since = load(time, l) - load(origin, l)
         for j in range(orders):
             store(acc, at(driven, j) + l, load(pulse, row(j) + l))
+        if lanes_of(since > 0.0) == 0:  # at the start of a piece, where most steps are
+            continue
         for n in range(orders - 1):  # divided by (x - since) again and again: Horner's scheme, the remainders staying
             for j in range(orders - 2, n - 1, -1):
                 to = at(driven, j) + l

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from ridedown.network import Channel, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import workspace
+from ridedown.solver.apart import Apart, Part, apart, network_of, tracked_of
 from ridedown.solver.extremes import SAMPLED
 from ridedown.solver.march import Stop, march
 from ridedown.solver.phases import Phases, phases_of
@@ -17,6 +18,7 @@ from ridedown.solver.phases import Phases, phases_of
 TOLERANCE = 4e-9
 """What the last acceleration terms of a step may come to, over the crash's own scale. The truncation left is far smaller."""
 
+_WORTH_IT = 32  # crashes, from which on to solve vehicles apart from their occupants
 _NO_WORK = False
 _CAPACITY = 256  # phases kept at first; eight times as many where that is too few
 _NOTHING = workspace.Tracked(
@@ -69,14 +71,20 @@ def tracked(
 def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, work: bool = False) -> Solved:
     """Solve every crash of the network's columns, in lanes, on the calling thread (the interpreter is released).
 
-    `work`: also integrate the work done on each element.
+    Vehicles that move the same in every row, whatever their occupants do, are solved once (see `apart`). `work`: also integrate
+    the work done on each element.
     """
-    count = quantities.sense.size
+    parts = apart(network, quantities) if network.size >= _WORTH_IT else None
+    solved = None if parts is None else _solve_apart(network, parts, quantities, work=work)
+    return solved or _solve_whole(network, quantities, work=work)
+
+
+def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool) -> Solved:
     results = workspace.results_for(network, quantities)
     march(
         workspace.structure_of(network, quantities),
         workspace.numbers_of(network),
-        workspace.lanes_for(network, count),
+        workspace.lanes_for(network, quantities.sense.size),
         results,
         workspace.record_for(network, 0),
         TOLERANCE,
@@ -84,6 +92,43 @@ def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, wo
     )
     results.best[quantities.sense < 0] *= -1.0
     return Solved(*results)
+
+
+def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, *, work: bool) -> Solved | None:
+    """The vehicles once, then the occupants of each; None where the vehicles cannot be solved to the end."""
+    alone = network_of(network, parts.vehicles)
+    phases, stop = solve_one(alone)
+    if stop != Stop.COMPLETED:
+        return None
+    solved = Solved(*workspace.results_for(network, quantities))
+    solved.stop[:] = Stop.COMPLETED
+    solved.time[:] = phases.end
+    for part, own_network in (
+        *((part, network_of(network, part, phases)) for part in parts.occupants),
+        (parts.vehicles, alone),
+    ):
+        own = _solve_whole(own_network, tracked_of(network, quantities, part), work=work)
+        _put(solved, part, own, quantities.sense)
+        np.copyto(solved.stop, own.stop, where=own.stop != Stop.COMPLETED)
+        solved.steps[:] += own.steps
+    unfinished = np.flatnonzero(solved.stop != Stop.COMPLETED)
+    if unfinished.size:  # these are wanted as far as they came, vehicles and all
+        whole = _solve_whole(network.rows(unfinished), quantities, work=work)
+        for field in fields(Solved):
+            getattr(solved, field.name)[..., unfinished] = getattr(whole, field.name)
+    return solved
+
+
+def _put(solved: Solved, part: Part, own: Solved, sense: Ints) -> None:
+    """Put what was solved of a part in its place."""
+    for name in ("position", "rate"):
+        getattr(solved, name)[part.coordinates] = getattr(own, name)
+    for name in ("set", "reel", "payout", "work"):
+        getattr(solved, name)[part.elements] = getattr(own, name)
+    for name in ("best", "best_time"):
+        getattr(solved, name)[part.quantities] = getattr(own, name)
+    number = np.cumsum(sense == SAMPLED) - 1  # of each sampled quantity among them
+    solved.samples[number[part.quantities][sense[part.quantities] == SAMPLED]] = own.samples
 
 
 def solve_one(network: Network) -> tuple[Phases, Stop]:
