@@ -281,8 +281,8 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         timer_element=network.timer_element,
         timer_action=network.timer_action,
         driven=network.driven,
-        pulse_start=network.pulse_start,
-        pulse_series=network.pulse_series,
+        pulse_start=np.ascontiguousarray(network.pulse_start),
+        pulse_series=np.ascontiguousarray(network.pulse_series),
         tracked_start=tracked.start,
         tracked_family=tracked.family,
         tracked_index=tracked.item,
@@ -294,17 +294,18 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
 
 def numbers_of(network: Network) -> Numbers:
     """The numbers of a network as the kernels take them."""
+    table = np.ascontiguousarray
     return Numbers(
-        inertia=network.inertia,
-        rate=network.rate,
-        arm=network.arm,
+        inertia=table(network.inertia),
+        rate=table(network.rate),
+        arm=table(network.arm),
         coefficients=_coefficients(network),
         pieces=np.stack((network.knot, network.force, network.slope)),
-        timer_time=network.timer_time,
-        timer_value=network.timer_value,
-        pulse_amplitude=network.pulse_amplitude,
-        pulse_length=network.pulse_length,
-        duration=network.duration,
+        timer_time=table(network.timer_time),
+        timer_value=table(network.timer_value),
+        pulse_amplitude=table(network.pulse_amplitude),
+        pulse_length=table(network.pulse_length),
+        duration=table(network.duration),
     )
 
 
