@@ -16,10 +16,12 @@ from ridedown.report.page import render
 from ridedown.report.style import PALETTE, Plot, draw_line, finish, new_axes
 from ridedown.studies import Calibrated
 from ridedown.studies.fitted import FittedChannel
+from ridedown.studies.wording import SHOWN, in_words
 
 Floats = NDArray[np.float64]
 
 _MODEL, _MEASURED, _RESIDUAL = 1, 6, 0
+_LONGEST_LABEL = 26
 
 
 def write(found: Calibrated, folder: Path) -> None:
@@ -103,7 +105,7 @@ def _name(channel: FittedChannel, kind: str = "channel") -> str:
 
 
 def _scaled(channel: FittedChannel) -> tuple[str, float]:
-    return calibration_tables.SHOWN.get(channel.unit, (channel.unit, 1.0))
+    return SHOWN.get(channel.unit, (channel.unit, 1.0))
 
 
 def _curve(channel: FittedChannel) -> Plot:
@@ -119,11 +121,11 @@ def _curve(channel: FittedChannel) -> Plot:
         draw_line(axes, times, scale * channel.measured, label="measured", index=_MEASURED, dash=0)
     draw_line(axes, times, scale * channel.model, label="model", index=_MODEL, dash=1)
     axes.set_xlim(times[0], times[-1])
-    what = f"Model, with the 95 % bands shaded; peak {calibration_tables.in_words(channel.peak.value, channel.unit)} at "
+    what = f"Model, with the 95 % bands shaded; peak {in_words(channel.peak.value, channel.unit)} at "
     what += f"{1e3 * channel.peak.time:.1f} ms."
     measured = channel.measured_peak
     if measured is not None:
-        what += f" Measured: {calibration_tables.in_words(measured.value, channel.unit)} at {1e3 * measured.time:.1f} ms."
+        what += f" Measured: {in_words(measured.value, channel.unit)} at {1e3 * measured.time:.1f} ms."
     if channel.rating is not None:
         what += f" ISO/TS 18571: {channel.rating.value:.3f}, {channel.rating.grade}."
     return Plot(_name(channel), title, what, finish(axes))
@@ -143,7 +145,7 @@ def _residual(channel: FittedChannel) -> Plot:
         axes, 1e3 * channel.times, scale * (channel.model - channel.measured), label="difference", index=_RESIDUAL, dash=0
     )
     axes.set_xlim(1e3 * channel.times[0], 1e3 * channel.times[-1])
-    what = f"What the fit leaves: {calibration_tables.in_words(channel.rms, channel.unit)} root mean square."
+    what = f"What the fit leaves: {in_words(channel.rms, channel.unit)} root mean square."
     return Plot(_name(channel, "residuals"), title, what, finish(axes))
 
 
@@ -155,7 +157,7 @@ def _correlations(found: Calibrated) -> Plot:
     axes.grid(visible=False)
     drawn = axes.pcolormesh(found.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=1.0)
     places = np.arange(len(names)) + 0.5
-    axes.set_yticks(places, [f"{name}  {i}" for i, name in enumerate(names, 1)])
+    axes.set_yticks(places, [f"{_short(name)}  {i}" for i, name in enumerate(names, 1)])
     axes.set_xticks(places, [str(i) for i in range(1, len(names) + 1)])
     axes.set_ylim(len(names), 0)
     size = max(5.0, min(9.0, 80.0 / len(names)))
@@ -169,6 +171,11 @@ def _correlations(found: Calibrated) -> Plot:
     figure.colorbar(drawn, cax=figure.add_axes((0.87, 0.12, 0.02, 0.76)))
     what = "Correlation of each two parameters: near 1 or \u22121, what is measured tells only a combination of the two."
     return Plot("correlations", title, what, figure)  # type: ignore[arg-type]
+
+
+def _short(name: str) -> str:
+    """A name that fits beside the axes; the table below has it in full."""
+    return name if len(name) <= _LONGEST_LABEL else f"{name[: _LONGEST_LABEL - 1]}…"
 
 
 def _posterior(found: Calibrated) -> Plot:

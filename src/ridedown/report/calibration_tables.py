@@ -7,32 +7,7 @@ from collections.abc import Sequence
 from ridedown.report.tables import NONE, Column, Table, number
 from ridedown.studies import Calibrated
 from ridedown.studies.fitted import FittedChannel, FittedNumber
-
-G = 9.80665
-SHOWN = {
-    "m/s2": ("g", 1.0 / G), "m": ("mm", 1e3), "N": ("kN", 1e-3), "N/m": ("kN/m", 1e-3), "N s/m": ("kN s/m", 1e-3),
-    "s": ("ms", 1e3), "m/s": ("km/h", 3.6), "J": ("kJ", 1e-3),
-}  # fmt: skip
-"""In which unit an SI unit is shown, and its factor."""
-
-
-def in_words(value: float | None, unit: str) -> str:
-    """A value in SI in the unit it is shown in, to four digits.
-
-    >>> in_words(98100.0, "N/m"), in_words(0.005, "m")
-    ('98.1 kN/m', '5 mm')
-    """
-    if value is None:
-        return NONE
-    shown, scale = SHOWN.get(unit, (unit, 1.0))
-    return f"{four(scale * value)} {shown}".strip()
-
-
-def four(value: float) -> str:
-    """Four significant digits, with a true minus sign."""
-    digits = f"{value:.4g}"
-    text = f"{float(digits):.0f}" if "e" in digits and abs(value) >= 1.0 and abs(value) < 1e9 else digits
-    return text.replace("-", "\u2212")
+from ridedown.studies.wording import in_words
 
 
 def tables(found: Calibrated) -> tuple[Table, ...]:
@@ -70,11 +45,15 @@ def parameters(found: Calibrated) -> Table:
                 in_words(p.low, p.unit),
                 in_words(p.high, p.unit),
                 f"{in_words(p.lower, p.unit)} to {in_words(p.upper, p.unit)}" + (" (log)" if p.by_ratio else ""),
-                "at its bound" if p.at_bound else ("unsure" if any(p.name in one.names for one in found.confounded) else NONE),
+                "at its bound" if p.at_bound else _noted(found, p.name),
             )
             for p in found.parameters
         ),
     )
+
+
+def _noted(found: Calibrated, name: str) -> str:
+    return "see the notes" if any(name in one.names for one in found.confounded) else NONE
 
 
 def channels(caption: str, found: Sequence[FittedChannel]) -> Table:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -173,14 +174,25 @@ def _stamp(path: Path) -> tuple[tuple[str, int, int], ...]:
     """What changes when a test's files do: their names, sizes and times."""
     try:
         if path.is_dir():
-            files = sorted(p for p in path.rglob("*") if p.is_file())
-        elif path.suffix.lower() in {EV5, MME}:  # its curves are beside it
-            files = sorted(p for p in (*path.parent.iterdir(), *path.parent.glob("[Cc]*/*")) if p.is_file())
-        else:
-            files = [path]
-        return tuple((str(p), p.stat().st_mtime_ns, p.stat().st_size) for p in files)
+            return tuple(sorted(_files(path, deep=True)))
+        if path.suffix.lower() in {EV5, MME}:  # its curves are beside it
+            return tuple(sorted(_files(path.parent, deep=False)))
+        found = path.stat()
+        return ((str(path), found.st_mtime_ns, found.st_size),)
     except OSError:
         return ()  # reading it says what is wrong
+
+
+def _files(folder: str | Path, *, deep: bool) -> Iterator[tuple[str, int, int]]:
+    """Files in a folder and, where not `deep`, in folders of it that may hold channels. Asked for every batch of crashes."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir():
+                if deep or entry.name[:1] in {"c", "C"}:
+                    yield from _files(entry.path, deep=deep)
+            elif entry.is_file():
+                found = entry.stat()
+                yield entry.path, found.st_mtime_ns, found.st_size
 
 
 def _record(path: Path) -> TestRecord:

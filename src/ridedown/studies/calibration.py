@@ -84,6 +84,9 @@ class Target(Model):
         None,
         description="standard deviation: of value, of a channel (5 % of its peak if left out), or how soft min and max are",
     )
+    peak: Written | None = Field(
+        None, description="of a channel: standard deviation of its peak, which then counts as a number too"
+    )
     within: Written | None = Field(None, description="instead of sigma: half the width that value was rounded to")
     min: Written | None = Field(None, description="what an outcome may be at least")
     max: Written | None = Field(None, description="what an outcome may be at most")
@@ -103,7 +106,7 @@ class Target(Model):
                 yield Check("window.0", start >= 0.0, start, "0 s or later", "The model starts at time 0.", "s")
                 yield Check("window.1", end > start, end, "an end after the start", "", "s")
         else:
-            for field in ("measured", "cfc", "window"):
+            for field in ("measured", "cfc", "window", "peak"):
                 yield Check(field, not getattr(self, field), "a value with an outcome", "none", "It goes with a channel.")
             yield from self._of_an_outcome()
 

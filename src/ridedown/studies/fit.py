@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ridedown.criteria.rating import rating
 from ridedown.errors import InvalidInput
-from ridedown.scenario import lower
+from ridedown.scenario import Scenario, Source, lower
 from ridedown.studies.calibration import Calibration, Search, load_calibration
 from ridedown.studies.fitted import Calibrated, FittedChannel, FittedNumber, FittedParameter
 from ridedown.studies.identifiability import Candidate, confounded
@@ -239,12 +239,20 @@ def _result(
         correlation=found.correlation,
         confounded=apart,
         warnings=tuple(_warnings(parameters, starts, interrupted=interrupted) + [one.sentence for one in apart]),
-        scenarios={case.name: case.with_values(values) for case in (*problem.cases, *problem.predictions)},
+        scenarios={case.name: _signed(case.with_values(values), problem) for case in (*problem.cases, *problem.predictions)},
         starts=starts,
         tried=problem.tried,
         interrupted=interrupted,
         posterior=posterior,
     )
+
+
+def _signed(scenario: Scenario, problem: Problem) -> Scenario:
+    """A fitted scenario that says so among its sources."""
+    found = ", ".join(unknown.name for unknown in problem.unknowns)
+    title = f"Calibration: {problem.calibration.title or 'no title'}"
+    source = Source(title=title, authors="ridedown", confidence="reconstructed", note=f"Found by it: {found}.")
+    return scenario.model_copy(update={"sources": (*scenario.sources, source)})
 
 
 def _parameters(unknowns: Sequence[Unknown], point: Floats, found: Uncertainty) -> tuple[FittedParameter, ...]:

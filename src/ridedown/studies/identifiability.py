@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ridedown.studies.fitted import Confounded, Help
 from ridedown.studies.uncertainty import Uncertainty
 from ridedown.studies.unknowns import Unknown, points_of, values_of
+from ridedown.studies.wording import in_words
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ UNSURE = 0.125
 """Half-width of a 95 % band, in parts of the box, above which a parameter is unsure: the band is then a quarter of it."""
 INFLATED = 10.0
 """Variance inflation factor above which it is other parameters that make it so."""
-_TAKES_PART = 0.3  # of a unit vector: parameters with less are not named
+_TAKES_PART, _TIED = 0.3, 0.5  # of the first one's step, and correlation with it: parameters with less are not named
 _HELPS = 0.5  # a measurement that helps makes a half-width so much smaller, at least
 _MOST_HELPS = 3
 _SHOWN_STEP = 0.1
@@ -61,11 +62,9 @@ def confounded(
             told.append(Confounded((unknowns[i].name,), (1.0,), sentence))
             continue
         direction = _direction(found.covariance, int(i))
-        partners = [
-            int(j) for j in np.argsort(-np.abs(direction)) if j != i and abs(direction[j]) > _TAKES_PART * abs(direction[i])
-        ]
-        if inflation[i] < INFLATED:
-            partners = []
+        tied = np.abs(found.correlation[i]) > _TIED
+        taking_part = tied & (np.abs(direction) > _TAKES_PART * abs(direction[i])) & (inflation[i] >= INFLATED)
+        partners = [int(j) for j in np.argsort(-np.abs(direction)) if taking_part[j] and j != i]
         done |= {int(i), *partners}
         members = (int(i), *partners)
         helps = _helps(int(i), fisher, found, candidates)
@@ -151,13 +150,18 @@ def _sentence(
 
 
 def _moved(unknowns: Sequence[Unknown], point: Floats, members: tuple[int, ...], direction: Floats) -> str:
-    """A step along the direction, in words: a tenth of the box for the first."""
-    scale = _SHOWN_STEP / abs(direction[members[0]])
-    sign = 1.0 if point[members[0]] <= 0.5 else -1.0
+    """A step along the direction, in words: a tenth of the box for the first, or as far as all stay within their bounds."""
     step = np.zeros_like(point)
-    step[list(members)] = sign * scale * direction[list(members)] * np.sign(direction[members[0]])
+    step[list(members)] = direction[list(members)] * _SHOWN_STEP / direction[members[0]]
+    ahead, back = _room(point, step), _room(point, -step)
+    step *= min(1.0, ahead) if ahead >= back else -min(1.0, back)
     before, after = values_of(unknowns, point), values_of(unknowns, point + step)
     return ", ".join(
-        f"{unknowns[j].name} {before[j]:.4g} \u2192 {after[j]:.4g} {unknowns[j].unit}".replace("-", "\u2212").rstrip()
-        for j in members
+        f"{unknowns[j].name} {in_words(before[j], unknowns[j].unit)} → {in_words(after[j], unknowns[j].unit)}" for j in members
     )
+
+
+def _room(point: Floats, step: Floats) -> float:
+    """How many such steps there are to the nearest bound."""
+    moving = step != 0.0
+    return float(np.min(np.where(step > 0.0, 1.0 - point, point)[moving] / np.abs(step[moving])))

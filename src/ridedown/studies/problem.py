@@ -231,7 +231,10 @@ def _channel(
         sigma = number(target.sigma, channel.unit, f"{where}.sigma")
     if values is not None and not sigma > 0.0:
         raise InvalidInput(f"{where}.sigma: got {sigma:g} {channel.unit}; need > 0. Give the channel's standard deviation.")
-    return ChannelTarget(target.channel, channel.unit, samples, values, sigma, target.weight, max(independent, 1.0))
+    peak = np.inf if target.peak is None else number(target.peak, channel.unit, f"{where}.peak")
+    if not peak > 0.0:
+        raise InvalidInput(f"{where}.peak: got {peak:g} {channel.unit}; need > 0. Give the standard deviation of the peak.")
+    return ChannelTarget(target.channel, channel.unit, samples, values, sigma, target.weight, max(independent, 1.0), peak)
 
 
 def _measured(target: Target, record: TestRecord, unit: str, where: str) -> TimeHistory:

@@ -35,11 +35,20 @@ class ChannelTarget:
     weight: float
     independent: float
     """Number of independent values, n_i."""
+    peak_sigma: float = np.inf
+    """Standard deviation of its peak, where that counts by itself."""
 
     @property
     def scale(self) -> float:
         """What a sample is divided by."""
         return self.sigma * float(np.sqrt(self.samples.times.size / self.independent))
+
+    def peak_of(self, values: Floats) -> Floats:
+        """The extreme (R,) of channels (R, T) on the side on which the measured one has its peak."""
+        assert self.measured is not None
+        side = np.sign(self.measured[np.argmax(np.abs(self.measured))])
+        extreme: Floats = side * (side * values).max(axis=1)
+        return extreme
 
     @property
     def thinning(self) -> int:
@@ -98,5 +107,8 @@ def residuals(
         if channel.measured is not None:
             error = (found.channels[channel.name] - channel.measured) / channel.scale
             blocks.append(np.sqrt(weight * channel.weight) * error)
+            if np.isfinite(channel.peak_sigma):
+                beyond = channel.peak_of(found.channels[channel.name]) - channel.peak_of(channel.measured[None])
+                blocks.append(np.sqrt(weight * channel.weight) * beyond[:, None] / channel.peak_sigma)
     blocks += [np.sqrt(weight * number.weight) * number.residuals(found.outcomes[number.name]) for number in numbers]
     return blocks
