@@ -77,7 +77,7 @@ class RecordEvidence:
                 reasons.append(f"channel {info.key} {info.name}: {info.status or 'no curve'}")
                 continue
             try:
-                history, remarks = _through(self.record.history(info), frequency_class)
+                history, remarks = through(self.record.history(info), frequency_class)
                 time, values = history.si
             except InvalidInput as problem:
                 reasons.append(f"channel {info.key} {info.name}: {problem}")
@@ -118,8 +118,8 @@ class RecordEvidence:
                 continue
             try:
                 raw = self.record.history(info)
-                shape, class_remarks = _through(raw, SHAPE_CLASS)
-                smooth, _ = _through(raw, INTEGRAL_CLASS)
+                shape, class_remarks = through(raw, SHAPE_CLASS)
+                smooth, _ = through(raw, INTEGRAL_CLASS)
                 fit.append((info, name, shape.si, smooth.si, (*raw.remarks, *class_remarks)))
             except InvalidInput as problem:
                 reasons.append(f"{name}: {problem}")
@@ -132,7 +132,7 @@ class RecordEvidence:
         if not whole:
             raise CannotJudge("the sensors of the compartment are sampled differently")
         time = whole[0][3][0]
-        level = [(_zeroed(time, shape[1]), _zeroed(time, smooth[1])) for _, _, shape, smooth, _ in whole]
+        level = [(levelled(time, shape[1]), levelled(time, smooth[1])) for _, _, shape, smooth, _ in whole]
         begin = int(np.searchsorted(time, 0.0))
         sensors = [
             Sensor(name, _side(info), integral(time, a)[begin:] - integral(time, a)[begin])
@@ -188,7 +188,7 @@ def _side(info: ChannelInfo) -> str:
     return next((side for side in ("left", "right") if side in words), "")
 
 
-def _through(history: TimeHistory, frequency_class: int) -> tuple[TimeHistory, tuple[str, ...]]:
+def through(history: TimeHistory, frequency_class: int) -> tuple[TimeHistory, tuple[str, ...]]:
     """The history in a channel class, and what to remark where it was filtered before."""
     before = history.filtered
     if before is None:
@@ -217,7 +217,7 @@ def _same_times(one: Floats, other: Floats) -> bool:
     return one.shape == other.shape and bool(np.allclose(one, other, rtol=0.0, atol=1e-9))
 
 
-def _zeroed(time: Floats, values: Floats) -> Floats:
+def levelled(time: Floats, values: Floats) -> Floats:
     """The values less their mean before time zero, where enough was recorded then."""
     before = time < 0.0
     if not before.any() or -time[0] < QUIET:
