@@ -20,6 +20,7 @@ from ridedown.errors import RidedownError
 if TYPE_CHECKING:
     from ridedown.report.criteria import CriteriaReport
     from ridedown.response import Response
+    from ridedown.studies.extract import Extraction
 
 BAD_INPUT, STOPPED = 2, 3
 """Exit codes: something given cannot be used; the simulation, or a search, was stopped before its end."""
@@ -197,6 +198,65 @@ def calibrate(
 
 
 @app.command()
+def extract(
+    test: Annotated[
+        str, typer.Argument(metavar="TEST", help="A wall test: NHTSA EV5 or ISO-MME (folder, zip), CSV, TSV or Parquet.")
+    ],
+    mass: Annotated[str | None, typer.Option("--mass", metavar="MASS", help='Such as "1719 kg"; the header\'s if left out.')] = None,
+    speed: Annotated[
+        str | None, typer.Option("--speed", metavar="SPEED", help='Such as "57.09 km/h"; the header\'s if left out.')
+    ] = None,
+    channels: Annotated[
+        str | None, typer.Option("--channels", metavar="A,B", help="Of the cabin along x; the two that agree best if left out.")
+    ] = None,
+    engine: Annotated[
+        str | None, typer.Option("--engine", metavar="A,B", help="Of the engine along x; those by name if left out; or none.")
+    ] = None,
+    barrier: Annotated[
+        str | None, typer.Option("--barrier", metavar="FILE", help="The force on the wall, where the test does not hold it.")
+    ] = None,
+    masses: Annotated[int | None, typer.Option("--masses", help="1, or 2: cabin and engine.")] = None,
+    pieces: Annotated[int, typer.Option("--pieces", help="Of a curve, at most.")] = 8,
+    seed: Annotated[int, typer.Option("--seed", help="Of the starts of the search.")] = 0,
+    as_json: Json = False,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the scenario to this file (*.toml).")] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="DIR", help="Write an HTML page with figures to this folder.")
+    ] = None,
+) -> None:
+    """Find the front structure that reproduces a wall test.
+
+    Force against deflection, unloading, restitution; with the force on the wall known, the engine's
+    mass too. Prints the scenario, or writes it with --out, and what it reaches.
+    """
+    with _plain_errors():
+        from ridedown.apps.extract import barrier_at, options, scenario_file
+        from ridedown.apps.measured import record_at
+        from ridedown.apps.output import check_folder
+
+        if out is not None:
+            scenario_file(out)
+            check_folder(out.parent)
+        if report is not None:
+            check_folder(report)
+        given = options(mass, speed, channels, engine)
+        record, wall = record_at(test), barrier_at(barrier)
+
+        from ridedown.apps import show
+        from ridedown.studies.extract import STEPS, extract as extracted
+
+        _say_if_cold()
+        with show.progress("extracting", STEPS) as advance:
+            found = extracted(record, **given, barrier=wall, masses=masses, pieces=pieces, seed=seed, advance=advance)
+        _write_extraction(found, out, report)
+        if as_json:
+            show.as_json(found.as_json())
+        else:
+            _show_extraction(found, out)
+            _say_written(report)
+
+
+@app.command()
 def paper(
     as_json: Json = False,
     out: Out = None,
@@ -315,6 +375,35 @@ def _write_run(response: Response, out: Path) -> None:
 
     with show.working("drawing"), staged(out) as stage:
         write(response, stage)
+
+
+def _show_extraction(found: Extraction, out: Path | None) -> None:
+    from ridedown.apps import show
+    from ridedown.studies import extract_page
+
+    show.tables(*extract_page.tables(found))
+    for sentence in extract_page.notes(found):
+        show.note(sentence)
+    for warning in found.warnings:
+        typer.echo(f"ridedown: warning: {' '.join(warning.split())}", err=True)
+    if out is None:
+        typer.echo(f"\n{found.toml}", nl=False)
+    else:
+        typer.echo(f"Written to {out}: ridedown run {out}")
+
+
+def _write_extraction(found: Extraction, out: Path | None, report: Path | None) -> None:
+    from ridedown.apps import show
+    from ridedown.apps.output import staged
+
+    if report is not None:
+        from ridedown.studies.extract_page import write
+
+        with show.working("drawing"), staged(report) as stage:
+            write(found, stage)
+    if out is not None:
+        with staged(out.parent) as stage:
+            (stage / out.name).write_text(found.toml, encoding="utf-8")
 
 
 def _reproduce(*, as_json: bool, out: Path | None) -> None:

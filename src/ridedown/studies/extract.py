@@ -33,6 +33,7 @@ CRUSH_NEAR, TIME_NEAR, REBOUND_NEAR = 0.02, 0.003, 0.10
 """How near a front must come for no warning: crush [1], its time [s], rebound speed [1]."""
 
 _DIGITS = 5
+_CLOSE = 0.02  # part of the reached deflection
 _LONGEST_RATED = 0.5
 
 
@@ -224,7 +225,8 @@ def _cut(curve: ForceDeflection, reach: float) -> dict[str, Any]:
     points = curve.points or ()
     deflections, forces = np.array(points).T
     reach = float(f"{max(reach, 1e-3):.{_DIGITS}g}")
-    kept = [point for point in points if point[0] < reach]
+    # a point just before the last one says nothing, unless it ends the gap
+    kept = [(d, f) for d, f in points if d < reach and (f == 0.0 or d == 0.0 or d < (1.0 - _CLOSE) * reach)]
     if reach < deflections[-1]:
         kept.append((reach, float(f"{np.interp(reach, deflections, forces):.{_DIGITS}g}")))
     if len(kept) < 2:
@@ -297,18 +299,22 @@ def reached(found: Extraction) -> tuple[str, ...]:
 
 def momentum_sentence(balance: Momentum) -> str:
     """Whether the wall's force and the car's motion belong together."""
+    (impulse, lost), (impulse_back, lost_back) = balance.stop, balance.rebound
     return (
-        f"The wall's impulse is {balance.impulse:.0f} N s, the loss of momentum {balance.lost:.0f} N s up to "
-        f"{1e3 * balance.time:.1f} ms: {balance.ratio:.3f} of it (1 if mass, motion and barrier agree)."
+        f"Impulse of the wall beside the loss of momentum: {impulse:.0f} to {lost:.0f} N s up to standstill, ratio "
+        f"{balance.ratio:.3f}; {impulse_back:.0f} to {lost_back:.0f} N s up to the fastest rebound, ratio {balance.rebound_ratio:.3f}."
     )
 
 
 def _momentum(balance: Momentum) -> dict[str, float]:
     return {
-        "impulse": balance.impulse,
-        "momentum_lost": balance.lost,
-        "time": balance.time,
+        "impulse_to_standstill": balance.stop[0],
+        "momentum_lost_to_standstill": balance.stop[1],
         "ratio": balance.ratio,
+        "impulse_to_rebound": balance.rebound[0],
+        "momentum_lost_to_rebound": balance.rebound[1],
+        "rebound_ratio": balance.rebound_ratio,
+        "rebound_time": balance.rebound_time,
         "implied_mass": balance.implied_mass,
     }
 

@@ -35,7 +35,7 @@ IN_CONTACT = 0.2
 ASSUMED_RESTITUTION = 0.15
 """Where the rebound was not recorded: about that of wall tests near 50 km/h (0.13 and 0.17 for the two of NHTSA 4429's pair)."""
 
-_ENGINE_BACK, _ENGINE_AHEAD = -0.35, 1.05  # parts of the test speed between which an engine's velocity is believed
+_ENGINE_BACK, _ENGINE_AHEAD = -0.6, 1.05  # parts of the test speed between which an engine's velocity is believed
 _ENGINE_LEAST = 0.7  # part of the time to standstill for which it must be
 _UNUSABLE = ("meaningless", "no data", "no file", "failed", "cannot be read")
 _WORDS = ("offset", "overlap", "pole", "oblique", "side impact", "deformable")
@@ -43,24 +43,31 @@ _WORDS = ("offset", "overlap", "pole", "oblique", "side impact", "deformable")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Momentum:
-    """The wall's impulse [N s] and the loss of momentum m dv [N s] up to the fastest rebound at `time` [s]; `ratio` of them.
+    """The wall's impulse beside the loss of momentum m dv of a car that moves as its cabin does [N s].
 
-    A ratio of 1 says that wall, accelerometers and mass belong together. implied_mass [kg]: the mass for which it is 1.
+    stop, rebound: up to standstill, and up to the fastest rebound, at `rebound_time` [s]: impulse and loss. A ratio of 1 says
+    that wall, accelerometers and mass belong together. At standstill the engine rests too; on the way back it may be slower
+    than the cabin, and the second ratio then tells less. implied_mass [kg]: the mass for which the first ratio is 1.
     """
 
-    impulse: float
-    lost: float
-    time: float
+    stop: tuple[float, float]
+    rebound: tuple[float, float]
+    rebound_time: float
     mass: float
 
     @property
     def ratio(self) -> float:
-        """Impulse over loss of momentum [1]."""
-        return self.impulse / self.lost
+        """Impulse over loss of momentum up to standstill [1]."""
+        return self.stop[0] / self.stop[1]
+
+    @property
+    def rebound_ratio(self) -> float:
+        """The same up to the fastest rebound [1]."""
+        return self.rebound[0] / self.rebound[1]
 
     @property
     def implied_mass(self) -> float:
-        """The mass that the wall stopped and threw back [kg]."""
+        """The mass that the wall stopped [kg]."""
         return self.mass * self.ratio
 
 
@@ -155,7 +162,7 @@ def wall_test(
     if early > 0.25 * float(-acceleration.min()):
         warnings.append(f"the car already brakes at {early / 9.80665:.0f} g at time zero: is that the first contact?")
 
-    force, momentum = _barrier(record, barrier, time, velocity, kilograms, notes, warnings)
+    force, momentum = _barrier(record, barrier, time, velocity, stop, kilograms, notes, warnings)
     return WallTest(
         title=record.title,
         identifier=record.identifier,
@@ -321,6 +328,7 @@ def _barrier(
     other: TestRecord | None,
     time: Floats,
     velocity: Floats,
+    stop: float,
     mass: float,
     notes: list[str],
     warnings: list[str],
@@ -339,17 +347,14 @@ def _barrier(
     since = time >= -0.5 * INTERVAL
     impulse = np.concatenate(([0.0], np.cumsum(0.5 * INTERVAL * (force[since][1:] + force[since][:-1]))))
     sign = 1.0 if impulse[int(np.argmax(np.abs(impulse)))] >= 0.0 else -1.0  # a wall pushes back, whatever the sign it is kept in
-    at = int(np.argmin(velocity[since]))
-    balance = Momentum(
-        float(sign * impulse[at]),
-        float(mass * (velocity[since][0] - velocity[since][at])),
-        float(time[since][at]),
-        mass,
-    )
+    change = mass * (velocity[since][0] - velocity[since])
+    still, back = (int(np.argmin(np.abs(time[since] - stop))), int(np.argmin(velocity[since])))
+    at_stop, at_rebound = ((float(sign * impulse[i]), float(change[i])) for i in (still, back))
+    balance = Momentum(at_stop, at_rebound, float(time[since][back]), mass)
     apart = abs(balance.ratio - 1.0)
     if apart > DOUBTFUL_MOMENTUM:
         warnings.append(
-            f"the wall's impulse is {balance.ratio:.3f} of the loss of momentum: mass, barrier or speed is wrong "
+            f"the wall's impulse up to standstill is {balance.ratio:.3f} of the loss of momentum: mass, barrier or speed is wrong "
             f"(a mass of {balance.implied_mass:.0f} kg would agree)"
         )
     if apart > FITS_TOGETHER:
