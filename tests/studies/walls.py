@@ -66,10 +66,8 @@ def record(
     response = simulate(scenario)
     rng = np.random.default_rng(seed)
     body = "vehicle1" if isinstance(scenario, CrashScenario) else "cabin"
-    channels: list[tuple[str, str, str, np.ndarray]] = []
     acceleration = on_clock(response, f"{body}.acceleration", until) / 9.80665
-    for side in ("left", "right"):
-        channels.append((f"seat_crossmember_{side}", "acceleration", "g", acceleration))
+    channels = [(f"seat_crossmember_{side}", "acceleration", "g", acceleration) for side in ("left", "right")]
     if body == "cabin":
         engine = on_clock(response, "engine.acceleration", until) / 9.80665
         channels += [(f"engine_{end}", "acceleration", "g", engine) for end in ("top", "bottom")]
@@ -104,6 +102,6 @@ def record(
 
 def on_clock(response: Response, channel: str, until: float) -> np.ndarray:
     """A channel on the recorder's clock, 0 before the contact, up to a time."""
-    time = TIME[TIME <= until + 1e-9]
+    time = TIME[: int(np.searchsorted(TIME, until + 1e-9))]
     values: np.ndarray = np.where(time >= 0.0, response.at(channel, np.clip(time, 0.0, response.end_time)), 0.0)
     return values

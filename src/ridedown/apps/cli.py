@@ -202,7 +202,9 @@ def extract(
     test: Annotated[
         str, typer.Argument(metavar="TEST", help="A wall test: NHTSA EV5 or ISO-MME (folder, zip), CSV, TSV or Parquet.")
     ],
-    mass: Annotated[str | None, typer.Option("--mass", metavar="MASS", help='Such as "1719 kg"; the header\'s if left out.')] = None,
+    mass: Annotated[
+        str | None, typer.Option("--mass", metavar="MASS", help='Such as "1719 kg"; the header\'s if left out.')
+    ] = None,
     speed: Annotated[
         str | None, typer.Option("--speed", metavar="SPEED", help='Such as "57.09 km/h"; the header\'s if left out.')
     ] = None,
@@ -243,7 +245,8 @@ def extract(
         record, wall = record_at(test), barrier_at(barrier)
 
         from ridedown.apps import show
-        from ridedown.studies.extract import STEPS, extract as extracted
+        from ridedown.studies.extract import STEPS
+        from ridedown.studies.extract import extract as extracted
 
         _say_if_cold()
         with show.progress("extracting", STEPS) as advance:

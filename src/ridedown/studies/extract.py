@@ -141,9 +141,9 @@ def extract(
     or 2; two where the wall's force is known, if left out. pieces: of a curve, at most. seed: of the starts; the same one finds
     the same front. advance: called with a word at each step.
 
-    Raises: InvalidInput for a test that is none of one vehicle against a fixed rigid wall, a record that ends before standstill,
-    a missing mass, speed or channel, and for two masses without the wall's force. SimulationStopped, should the front
-    found not be one that can be simulated.
+    Raises: InvalidInput for a test that is none of one vehicle against a fixed rigid wall, a record that ends before
+    standstill, a missing mass, speed or channel, and for two masses without the wall's force. SimulationStopped, should the
+    front found not be one that can be simulated.
 
     >>> import numpy as np
     >>> from ridedown.signals import TestRecord, TimeHistory
@@ -162,8 +162,8 @@ def extract(
     if masses == 2 and test.barrier is None:
         why = "; ".join(text for text in (*test.warnings, *test.notes) if "barrier" in text)
         raise InvalidInput(
-            f"masses: got 2 without the force on the wall{f' ({why})' if why else ''}; need it to tell the engine from the cabin. "
-            "Give it with --barrier, or extract one mass."
+            f"masses: got 2 without the force on the wall{f' ({why})' if why else ''}; need it to tell the engine from the "
+            "cabin. Give it with --barrier, or extract one mass."
         )
     one = _found(test, *fit.fit_one_mass(test, most=pieces))
     advance("one mass")
@@ -245,7 +245,8 @@ def _described(scenario: CrashScenario | NetworkScenario, test: WallTest) -> Cra
         year=test.year,
         where=f"test {test.identifier}, channels {channels}",
         confidence="reconstructed",
-        note=f"structure found by least squares with ridedown {__version__}; mass {test.mass:.6g} kg, {3.6 * test.speed:.4g} km/h",
+        note=f"structure found by least squares with ridedown {__version__}; "
+        f"mass {test.mass:.6g} kg, {3.6 * test.speed:.4g} km/h",
     )
     return scenario.model_copy(
         update={
@@ -266,6 +267,8 @@ def _shortcomings(front: Front, test: WallTest) -> list[str]:
         said.append(f"crush at {1e3 * found.stop:.1f} ms instead of {1e3 * test.stop:.1f} ms")
     if test.rebound is not None and abs(found.rebound - test.rebound) > max(REBOUND_NEAR * test.rebound, 0.02 * test.speed):
         said.append(f"rebound {3.6 * found.rebound:.1f} km/h instead of {3.6 * test.rebound:.1f} km/h")
+    if front.engine_mass is not None and test.engine is None:
+        said.append("no engine channel to use: the engine's mass follows from the wall and the cabin alone, and is less sure")
     for what, rated in (("cabin's acceleration", front.cabin), ("wall's force", front.barrier)):
         if rated is not None and rated.value < 0.8 and (front.engine_mass is not None or what.startswith("cabin")):
             said.append(f"the {what} is followed with a rating of {rated.value:.2f} only ({rated.grade})")
@@ -281,15 +284,15 @@ def reached(found: Extraction) -> tuple[str, ...]:
     if front.barrier is not None:
         rated += f", force on the wall {front.barrier.value:.3f}"
     lines = [
-        f"Crush {1e3 * model.crush:.1f} mm at {1e3 * model.stop:.1f} ms (measured {1e3 * test.crush:.1f} mm at "
-        f"{1e3 * test.stop:.1f} ms), rebound {3.6 * model.rebound:.1f} km/h (measured {back}).",
+        (
+            f"Crush {1e3 * model.crush:.1f} mm at {1e3 * model.stop:.1f} ms (measured {1e3 * test.crush:.1f} mm at "
+            f"{1e3 * test.stop:.1f} ms), rebound {3.6 * model.rebound:.1f} km/h (measured {back})."
+        ),
         f"Rating by ISO/TS 18571, 0 to {1e3 * min(test.end, _LONGEST_RATED):.0f} ms: {rated}.",
     ]
     one = found.one
     if found.two is not None and one.barrier is not None:
-        lines.append(
-            f"One mass reaches: cabin acceleration {one.cabin.value:.3f}, force on the wall {one.barrier.value:.3f}."
-        )
+        lines.append(f"One mass reaches: cabin acceleration {one.cabin.value:.3f}, force on the wall {one.barrier.value:.3f}.")
     if front.engine_mass is not None:
         lines.append(f"Engine, with what moves with it: {front.engine_mass:.0f} kg of {test.mass:.0f} kg.")
     if found.momentum is not None:
@@ -299,10 +302,10 @@ def reached(found: Extraction) -> tuple[str, ...]:
 
 def momentum_sentence(balance: Momentum) -> str:
     """Whether the wall's force and the car's motion belong together."""
-    (impulse, lost), (impulse_back, lost_back) = balance.stop, balance.rebound
+    stop, back = balance.stop, balance.rebound
     return (
-        f"Impulse of the wall beside the loss of momentum: {impulse:.0f} to {lost:.0f} N s up to standstill, ratio "
-        f"{balance.ratio:.3f}; {impulse_back:.0f} to {lost_back:.0f} N s up to the fastest rebound, ratio {balance.rebound_ratio:.3f}."
+        f"Impulse of the wall beside the loss of momentum: {stop[0]:.0f} to {stop[1]:.0f} N s up to standstill, ratio "
+        f"{balance.ratio:.3f}; {back[0]:.0f} to {back[1]:.0f} N s up to the fastest rebound, ratio {balance.rebound_ratio:.3f}."
     )
 
 

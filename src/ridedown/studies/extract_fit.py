@@ -13,18 +13,17 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ridedown.criteria.checks import Floats
+from ridedown.limits.measured import SHAPE_CLASS
 from ridedown.response import Response
 from ridedown.scenario import CrashScenario, NetworkScenario
-from ridedown.signals.filters import filtered
-from ridedown.signals.history import Filter, TimeHistory
-from ridedown.limits.measured import SHAPE_CLASS
-from ridedown.simulation import simulate
+from ridedown.signals.filters import smoothed
+from ridedown.simulation import simulate, simulate_many
 from ridedown.studies.extract_measured import ASSUMED_RESTITUTION, INTERVAL, WallTest
 from ridedown.studies.extract_model import Form, Scale, one_mass, two_masses, within
 
 FOLLOWED = 0.05
 """A curve has enough pieces when what it is read off, or has to follow, is met to this part of its peak, root mean square."""
-GAIN = 0.04
+GAIN = 0.03
 """Part of the misfit that one more piece has to take away to be worth having."""
 MOST = 8
 """Pieces a curve has at most, unless told otherwise."""
@@ -36,9 +35,9 @@ _ASSUMED = 3.0  # how many times as far an assumed rebound may be off
 _ENGINE = 0.5  # weight of the engine's velocity: its sensors differ from each other as the engine turns
 _STEP = 1e-4  # of differences, in numbers near 1
 _FAILED = 10.0
-_STARTS = 6
-_TRIAL, _POLISH, _REFIT = 12, 40, 20  # evaluations of a start, of the best two of them, after a cut
-_CUTS = 2  # places tried for one more piece
+_STARTS, _POLISHED = 12, 3
+_TRIAL, _POLISH, _REFIT = 15, 60, 30  # evaluations of a start, of the best of them, after a cut
+_CUTS = 3  # places tried for one more piece
 
 Advance = Callable[[str], None]
 
@@ -72,12 +71,12 @@ def simulated(test: WallTest, scenario: CrashScenario | NetworkScenario) -> Simu
     rest = np.zeros(free.size)
     wall = np.sum([on_grid(f"{element}.force", rest) for element in _at_the_wall(scenario)], axis=0)
     most, least = response.maximum(f"{body}.displacement"), response.minimum(f"{body}.velocity")
-    speed = np.full(free.size, test.speed)
+    engine = None if body == "vehicle1" else on_grid("engine.velocity", np.full(free.size, test.speed))
     return Simulated(
         response=response,
-        acceleration=_in_class(on_grid(f"{body}.acceleration", rest)),
-        barrier=_in_class(wall),
-        engine=None if body == "vehicle1" else on_grid("engine.velocity", speed),
+        acceleration=smoothed(on_grid(f"{body}.acceleration", rest), SHAPE_CLASS, INTERVAL),
+        barrier=smoothed(wall, SHAPE_CLASS, INTERVAL),
+        engine=engine,
         crush=most.value,
         stop=most.time,
         rebound=max(0.0, -least.value),
@@ -90,75 +89,102 @@ def _at_the_wall(scenario: CrashScenario | NetworkScenario) -> tuple[str, ...]:
     return tuple(element.name for element in scenario.elements if "wall" in element.between)
 
 
-def _in_class(values: Floats) -> Floats:
-    return filtered(TimeHistory(values, "", interval=INTERVAL), SHAPE_CLASS).values
-
-
 class Misfit:
     """How far a front is from the test, as a vector whose squares are summed."""
 
     def __init__(self, test: WallTest, *, with_barrier: bool) -> None:
         self.test = test
-        since = np.flatnonzero(test.time >= -0.5 * INTERVAL)[::_STRIDE]
-        self._counted = since
-        self._weight = np.sqrt(_SIGNAL / since.size)
+        self._since = test.time >= -0.5 * INTERVAL
+        self._counted = np.flatnonzero(self._since)[::_STRIDE]
+        self._weight = float(np.sqrt(_SIGNAL / self._counted.size))
         self._barrier = test.barrier if with_barrier else None
         engine = test.engine if with_barrier else None
-        self._engine = None if engine is None else since[np.isfinite(engine[since])]
-        self.size = since.size * (1 if self._barrier is None else 2) + (0 if self._engine is None else self._engine.size) + 3
+        self._engine = None if engine is None else self._counted[np.isfinite(engine[self._counted])]
 
-    def __call__(self, front: Form, numbers: Floats) -> Floats:
-        """The misfit, (size,): channels first, then crush, time and rebound."""
-        found = simulated(self.test, front.scenario(numbers))
-        return np.full(self.size, _FAILED) if found is None else self.of(found)
-
-    def of(self, found: Simulated) -> Floats:
-        """The misfit of a response."""
-        test, at = self.test, self._counted
-        parts = [self._weight * (found.acceleration - test.acceleration)[at] / test.peak]
+    def __call__(self, form: Form, numbers: Floats) -> Floats:
+        """The misfit of each row of numbers (R, n), (R, size): channels first, then crush, time and rebound."""
+        test, scenario = self.test, form.scenario(numbers[0])
+        body = "vehicle1" if form.masses == 1 else "cabin"
+        walls = [] if self._barrier is None else [f"{name}.force" for name in _at_the_wall(scenario)]
+        engine = [] if self._engine is None else ["engine.velocity"]
+        found = simulate_many(
+            scenario,
+            form.columns(numbers),
+            outcomes=[f"{body}.displacement.max", f"{body}.displacement.max_time", f"{body}.velocity.min"],
+            samples=[f"{body}.acceleration", *walls, *engine],
+            times=np.clip(test.time[self._since], 0.0, form.scale.duration),
+            threads=1,
+        )
+        rows = [self._part(found.samples[f"{body}.acceleration"], test.acceleration, test.peak)]
         if self._barrier is not None:
-            parts.append(self._weight * (found.barrier - self._barrier)[at] / self._barrier.max())
-        if self._engine is not None and found.engine is not None and test.engine is not None:
-            parts.append(_ENGINE * self._weight * (found.engine - test.engine)[self._engine] / test.speed)
+            force = np.sum([found.samples[name] for name in walls], axis=0)
+            rows.append(self._part(force, self._barrier, float(self._barrier.max())))
+        if self._engine is not None and test.engine is not None:
+            at = self._engine - (test.time.size - int(self._since.sum()))
+            speeds = found.samples["engine.velocity"][:, at]
+            rows.append(_ENGINE * self._weight * (speeds - test.engine[self._engine]) / test.speed)
         rebound, loose = (test.rebound, 1.0) if test.rebound is not None else (ASSUMED_RESTITUTION * test.speed, _ASSUMED)
+        back = np.maximum(0.0, -found[f"{body}.velocity.min"])
         targets = [
-            (found.crush / test.crush - 1.0) / _CRUSH,
-            (found.stop - test.stop) / _TIME,
-            (found.rebound - rebound) / max(rebound, 0.02 * test.speed) / (_REBOUND * loose),
+            (found[f"{body}.displacement.max"] / test.crush - 1.0) / _CRUSH,
+            (found[f"{body}.displacement.max_time"] - test.stop) / _TIME,
+            (back - rebound) / max(rebound, 0.02 * test.speed) / (_REBOUND * loose),
         ]
-        return np.concatenate((*parts, targets))
+        misfit: Floats = np.concatenate((*rows, np.stack(targets, axis=1)), axis=1)
+        misfit[~found.completed] = _FAILED
+        return np.nan_to_num(misfit, nan=_FAILED)
+
+    def _part(self, samples: Floats, measured: Floats, peak: float) -> Floats:
+        """What a channel sampled after the contact, (R, T), is off by."""
+        whole = np.zeros((samples.shape[0], measured.size))
+        whole[:, self._since] = np.nan_to_num(samples)
+        model = smoothed(whole, SHAPE_CLASS, INTERVAL)
+        part: Floats = self._weight * (model - measured)[:, self._counted] / peak
+        return part
 
     def rms(self, misfit: Floats) -> float:
-        """Root mean square of the channels' part, as a part of their peaks [1]."""
+        """Root mean square of the channels' part of a misfit (size,), as a part of their peaks [1]."""
         channels = misfit[: self._counted.size * (1 if self._barrier is None else 2)]
         return float(np.sqrt(np.mean((channels / self._weight) ** 2)))
 
 
-def refined(misfit: Misfit, front: Form, numbers: Floats, evaluations: int) -> tuple[Floats, Floats, Floats]:
-    """The numbers after least squares from these, the misfit there, and its derivatives (size, n)."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Refined:
+    """A form and its numbers (n,) after least squares, the misfit there (size,), and its derivatives (size, n)."""
+
+    form: Form
+    numbers: Floats
+    misfit: Floats
+    derivatives: Floats
+
+    @property
+    def cost(self) -> float:
+        """The sum of the misfit's squares."""
+        return float(self.misfit @ self.misfit)
+
+
+def refined(misfit: Misfit, form: Form, numbers: Floats, evaluations: int) -> Refined:
+    """Least squares from these numbers, with so many evaluations at most."""
 
     def value(x: Floats) -> Floats:
-        return misfit(front, x)
+        row: Floats = misfit(form, x[np.newaxis])[0]
+        return row
 
     def derivatives(x: Floats) -> Floats:
-        return _derivatives(misfit, front, x)
+        return _derivatives(misfit, form, x)
 
     found = least_squares(
-        value, within(front, numbers), jac=derivatives, bounds=front.bounds(), max_nfev=evaluations, xtol=1e-5, ftol=1e-4
+        value, within(form, numbers), jac=derivatives, bounds=form.bounds(), max_nfev=evaluations, xtol=1e-5, ftol=1e-4
     )
-    return found.x, found.fun, found.jac
+    return Refined(form, found.x, found.fun, np.asarray(found.jac, dtype=np.float64))
 
 
-def _derivatives(misfit: Misfit, front: Form, numbers: Floats) -> Floats:
-    high = front.bounds()[1]
-    base = misfit(front, numbers)
-    columns = np.empty((base.size, numbers.size))
-    for i in range(numbers.size):
-        step = _STEP if numbers[i] + _STEP < high[i] else -_STEP
-        moved = numbers.copy()
-        moved[i] += step
-        columns[:, i] = (misfit(front, moved) - base) / step
-    return columns
+def _derivatives(misfit: Misfit, form: Form, numbers: Floats) -> Floats:
+    high = form.bounds()[1]
+    steps = np.where(numbers + _STEP < high, _STEP, -_STEP)
+    rows = misfit(form, np.vstack((numbers, numbers + np.diag(steps))))
+    derivatives: Floats = ((rows[1:] - rows[0]) / steps[:, np.newaxis]).T
+    return derivatives
 
 
 # one mass
@@ -208,7 +234,7 @@ def _hats(grid: Floats, wanted: Floats, inner: list[int]) -> tuple[Floats, float
     """The best forces at these points, straight between them, and the misfit, root mean square."""
     knots = grid[[0, *sorted(inner), grid.size - 1]]
     columns = np.stack([np.interp(grid, knots, unit) for unit in np.eye(knots.size)], axis=1)
-    values = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+    values: Floats = np.linalg.lstsq(columns, wanted, rcond=None)[0].astype(np.float64)
     return values, float(np.sqrt(np.mean((columns @ values - wanted) ** 2)))
 
 
@@ -220,9 +246,9 @@ def fit_one_mass(test: WallTest, *, most: int = MOST) -> tuple[Form, Floats]:
     # the energy that the rebound takes is that under the unloading line: F^2 / 2k = m v^2 / 2
     stiffness = max(forces[-1], 0.1 * scale.force) ** 2 / (test.mass * max(rebound, 0.02 * test.speed) ** 2)
     unloading = float(np.log10(stiffness * scale.length / scale.force))
-    front, numbers = one_mass(scale, deflections / scale.length, forces / scale.force, unloading)
+    form, numbers = one_mass(scale, deflections / scale.length, forces / scale.force, unloading)
     misfit = Misfit(test, with_barrier=False)
-    return front, refined(misfit, front, numbers, 2 * _POLISH)[0]
+    return form, refined(misfit, form, numbers, 2 * _POLISH).numbers
 
 
 # two masses
@@ -234,31 +260,28 @@ def fit_two_masses(
     """A front of cabin and engine that follows the cabin and the wall's force, for a test that has both."""
     misfit = Misfit(test, with_barrier=True)
     tried = []
-    for front, numbers in _starts(test, most, rng):
-        x, value, _ = refined(misfit, front, numbers, _TRIAL)
-        tried.append((float(value @ value), front, x))
+    for form, numbers in _starts(test, most, rng):
+        tried.append(refined(misfit, form, numbers, _TRIAL))
         advance("from several starts")
-    tried.sort(key=lambda one: one[0])
+    tried.sort(key=lambda one: one.cost)
     polished = []
-    for _, front, x in tried[:2]:
-        better, value, jacobian = refined(misfit, front, x, _POLISH)
-        polished.append((float(value @ value), front, better, value, jacobian))
+    for one in tried[:_POLISHED]:
+        polished.append(refined(misfit, one.form, one.numbers, _POLISH))
         advance("the best of them")
-    _, front, x, value, jacobian = min(polished, key=lambda one: one[0])
-    while misfit.rms(value) > FOLLOWED:
-        tried = []
-        for finer, start in _cuts(misfit, front, x, value, jacobian, most):
-            better, new_value, new_jacobian = refined(misfit, finer, start, _REFIT)
-            tried.append((float(new_value @ new_value), finer, better, new_value, new_jacobian))
+    best = min(polished, key=lambda one: one.cost)
+    while misfit.rms(best.misfit) > FOLLOWED:
+        finer = []
+        for form, numbers in _cuts(misfit, best, most):
+            finer.append(refined(misfit, form, numbers, _REFIT))
             advance("one more piece")
-        best = min(tried, key=lambda one: one[0], default=None)
-        if best is None or best[0] > (1.0 - GAIN) ** 2 * float(value @ value):
+        better = min(finer, key=lambda one: one.cost, default=best)
+        if better.cost >= (1.0 - GAIN) ** 2 * best.cost:
             break
-        _, front, x, value, jacobian = best
-    return front, x
+        best = better
+    return best.form, best.numbers
 
 
-STEPS = _STARTS + 2 + 10
+STEPS = _STARTS + _POLISHED + 5 * _CUTS
 """Of progress, about: starts, polishing, pieces added."""
 
 
@@ -311,18 +334,16 @@ def engine_guess(test: WallTest) -> tuple[float, float]:
     return float(np.clip(mass / test.mass, 0.08, 0.4)), float(np.clip(gap, 0.05, 0.8))
 
 
-def _cuts(
-    misfit: Misfit, front: Form, numbers: Floats, value: Floats, jacobian: Floats, most: int
-) -> list[tuple[Form, Floats]]:
+def _cuts(misfit: Misfit, best: Refined, most: int) -> list[tuple[Form, Floats]]:
     """Fronts with one more piece where that promises most: by what the new force takes away that no other number could."""
-    basis = np.linalg.qr(jacobian)[0]
+    basis = np.linalg.qr(best.derivatives)[0]
     found = []
-    for finer, x, new in front.splits(numbers, most):
-        moved = x.copy()
+    for finer, numbers, new in best.form.splits(best.numbers, most):
+        moved = numbers.copy()
         moved[new] += _STEP
-        column = (misfit(finer, moved) - value) / _STEP
+        column = (misfit(finer, moved[np.newaxis])[0] - best.misfit) / _STEP
         column -= basis @ (basis.T @ column)
-        gain = float(column @ value) ** 2 / max(float(column @ column), 1e-12)
-        found.append((gain, finer, x))
+        gain = float(column @ best.misfit) ** 2 / max(float(column @ column), 1e-12)
+        found.append((gain, finer, numbers))
     found.sort(key=lambda one: -one[0])
-    return [(finer, x) for _, finer, x in found[:_CUTS]]
+    return [(finer, numbers) for _, finer, numbers in found[:_CUTS]]

@@ -33,7 +33,7 @@ DOUBTFUL_MOMENTUM = 0.05
 IN_CONTACT = 0.2
 """Part of the peak deceleration: a record that ends with more has no whole rebound in it."""
 ASSUMED_RESTITUTION = 0.15
-"""Where the rebound was not recorded: about that of wall tests near 50 km/h (0.13 and 0.17 for the two of NHTSA 4429's pair)."""
+"""Where the rebound was not recorded: about that of wall tests near 50 km/h (0.13 and 0.17 for the pair of NHTSA 4429)."""
 
 _ENGINE_BACK, _ENGINE_AHEAD = -0.6, 1.05  # parts of the test speed between which an engine's velocity is believed
 _ENGINE_LEAST = 0.7  # part of the time to standstill for which it must be
@@ -140,12 +140,12 @@ def wall_test(
     raw_time, shape, smooth, used = _cabin(record, evidence, vehicle, channels, notes, warnings)
     if raw_time[0] > LATEST_START or raw_time[-1] <= 0.0:
         raise InvalidInput(
-            f"record: got the pulse from {1e3 * raw_time[0]:.4g} to {1e3 * raw_time[-1]:.4g} ms; need it from the first contact, "
-            "time zero, to standstill. Shift its times, or use a longer record."
+            f"record: got the pulse from {1e3 * raw_time[0]:.4g} to {1e3 * raw_time[-1]:.4g} ms; need it from the first "
+            "contact, time zero, to standstill. Shift its times, or use a longer record."
         )
     first = int(np.ceil(max(raw_time[0], -0.05) / INTERVAL - 1e-6))
     last = int(np.floor(raw_time[-1] / INTERVAL + 1e-6))
-    time = INTERVAL * np.arange(min(first, 0), last + 1)
+    time: Floats = INTERVAL * np.arange(min(first, 0), last + 1, dtype=np.float64)
     motion = _from_contact(time, np.interp(time, raw_time, smooth), metres_a_second)
     stop = motion.first_stop()
     if stop is None:
@@ -204,7 +204,8 @@ def _refusals_and_warnings(record: TestRecord) -> list[str]:
     if found is not None and (found.kind.strip().upper().startswith("D") or found.mass is not None):
         what = "a barrier that can move" if found.mass is not None else "a deformable barrier"
         raise InvalidInput(
-            f"test: got {what}; need a fixed rigid wall: what the barrier gives way is not the vehicle's crush. Use another test."
+            f"test: got {what}; need a fixed rigid wall: what the barrier gives way is not the vehicle's crush. "
+            "Use another test."
         )
     said = []
     angle, offset = _number(record.fields.get("IMPANG", "")), _number(record.fields.get("OFFSET", ""))
@@ -303,8 +304,8 @@ def _never_stops(motion: Motion) -> str:
             "negative acceleration, x forward. Turn the sign of the channel, or name others."
         )
     return (
-        f"record: got {1e3 * end:.4g} ms, at the end of which the car still moves at {speed:.2f} m/s; need it up to standstill. "
-        "Use a longer record, or check speed and channels."
+        f"record: got {1e3 * end:.4g} ms, at the end of which the car still moves at {speed:.2f} m/s; need it up to "
+        "standstill. Use a longer record, or check speed and channels."
     )
 
 
@@ -340,13 +341,16 @@ def _barrier(
     raw_time, raw = found
     if raw_time[0] > LATEST_START or raw_time[-1] < time[-1] - 0.5 * INTERVAL:
         notes.append(
-            f"barrier force not used: it covers {1e3 * raw_time[0]:.4g} to {1e3 * raw_time[-1]:.4g} ms, not 0 to {1e3 * time[-1]:.4g}"
+            f"barrier force not used: it covers {1e3 * raw_time[0]:.4g} to {1e3 * raw_time[-1]:.4g} ms, "
+            f"not 0 to {1e3 * time[-1]:.4g} ms"
         )
         return None, None
     force = np.interp(time, raw_time, raw)
     since = time >= -0.5 * INTERVAL
     impulse = np.concatenate(([0.0], np.cumsum(0.5 * INTERVAL * (force[since][1:] + force[since][:-1]))))
-    sign = 1.0 if impulse[int(np.argmax(np.abs(impulse)))] >= 0.0 else -1.0  # a wall pushes back, whatever the sign it is kept in
+    sign = (
+        1.0 if impulse[int(np.argmax(np.abs(impulse)))] >= 0.0 else -1.0
+    )  # a wall pushes back, whatever the sign it is kept in
     change = mass * (velocity[since][0] - velocity[since])
     still, back = (int(np.argmin(np.abs(time[since] - stop))), int(np.argmin(velocity[since])))
     at_stop, at_rebound = ((float(sign * impulse[i]), float(change[i])) for i in (still, back))
@@ -354,8 +358,8 @@ def _barrier(
     apart = abs(balance.ratio - 1.0)
     if apart > DOUBTFUL_MOMENTUM:
         warnings.append(
-            f"the wall's impulse up to standstill is {balance.ratio:.3f} of the loss of momentum: mass, barrier or speed is wrong "
-            f"(a mass of {balance.implied_mass:.0f} kg would agree)"
+            f"the wall's impulse up to standstill is {balance.ratio:.3f} of the loss of momentum: mass, barrier or speed is "
+            f"wrong (a mass of {balance.implied_mass:.0f} kg would agree)"
         )
     if apart > FITS_TOGETHER:
         warnings.append("the barrier force is not used: it does not belong to this mass and motion")

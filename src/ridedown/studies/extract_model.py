@@ -1,14 +1,15 @@
 """What an extraction looks for: a front of one mass on its members, or of cabin and engine, as a vector of numbers near 1.
 
-One mass: the cabin stands for the whole car and crushes one curve. Two masses: the cabin crushes the rails against the wall and the
-firewall against the engine, the engine its block against the wall, and mounts, a spring with a damper, hold the engine in
-the cabin. Curves unload on a line to a permanent set.
+One mass: the cabin stands for the whole car and crushes one curve. Two masses: the cabin crushes the rails against the wall
+and the firewall against the engine, the engine its block against the wall, and mounts, a spring with a damper, hold the
+engine in the cabin. Curves unload on a line to a permanent set.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -46,17 +47,22 @@ class Shape:
         first = _GAP if self.gap else _FIRST
         return [first, *[_FORCE] * self.pieces, *[_WIDTH] * self.pieces, _UNLOADING]
 
-    def curve(self, numbers: Floats) -> tuple[Floats, Floats, float]:
-        """Deflections and forces of its points, and the stiffness of unloading, in units of the scale."""
-        forces, widths = numbers[1 : 1 + self.pieces], numbers[1 + self.pieces : 1 + 2 * self.pieces]
-        deflections = np.concatenate(([0.0], np.cumsum(widths)))
+    def curve(self, numbers: Floats) -> tuple[Floats, Floats, Floats]:
+        """Deflections and forces of its points and the stiffness of unloading, in units of the scale: (..., k) each, and (...).
+
+        numbers: (..., size).
+        """
+        n = self.pieces
+        first, forces, widths = numbers[..., :1], numbers[..., 1 : 1 + n], numbers[..., 1 + n : 1 + 2 * n]
+        none = np.zeros_like(first)
+        ends = np.cumsum(widths, axis=-1)
         if self.gap:
-            forces = np.concatenate(([0.0], forces))
-            if numbers[0] > 0.0:
-                deflections, forces = np.concatenate(([0.0], numbers[0] + deflections)), np.concatenate(([0.0], forces))
+            deflections = np.concatenate((none, first, first + ends), axis=-1)
+            forces = np.concatenate((none, none, forces), axis=-1)
         else:
-            forces = np.concatenate((numbers[:1], forces))
-        return deflections, forces, float(10.0 ** numbers[-1])
+            deflections, forces = np.concatenate((none, ends), axis=-1), np.concatenate((first, forces), axis=-1)
+        slopes = np.diff(forces, axis=-1) / np.diff(deflections, axis=-1)
+        return deflections, forces, np.maximum(10.0 ** numbers[..., -1], _STEEPER * slopes.max(axis=-1))
 
     def split(self, numbers: Floats, piece: int) -> tuple[Shape, Floats]:
         """The same curve with one of its pieces cut in two."""
@@ -71,7 +77,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """What the numbers are multiples of, and what is given: mass [kg], speed [m/s], force [N], length [m], time simulated [s]."""
+    """What the numbers are multiples of, and what is given: mass [kg], speed [m/s], force [N], length [m], duration [s]."""
 
     mass: float
     speed: float
@@ -104,9 +110,9 @@ class Form:
         return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
 
     def parts(self, numbers: Floats) -> list[Floats]:
-        """The numbers of each shape."""
+        """The numbers (..., n) of each shape."""
         ends = self.leading + np.cumsum([shape.size for shape in self.shapes])
-        return [numbers[end - shape.size : end] for shape, end in zip(self.shapes, ends, strict=True)]
+        return [numbers[..., end - shape.size : end] for shape, end in zip(self.shapes, ends, strict=True)]
 
     def splits(self, numbers: Floats, most: int) -> Iterator[tuple[Form, Floats, int]]:
         """Every front with one more piece and the same curves, and the index of the new point's force."""
@@ -120,56 +126,65 @@ class Form:
                 finer, part = shape.split(parts[i], piece)
                 before = numbers[: self.leading + sum(s.size for s in self.shapes[:i])]
                 after = np.concatenate([np.zeros(0), *parts[i + 1 :]])
-                front = replace(self, shapes=(*self.shapes[:i], finer, *self.shapes[i + 1 :]))
-                yield front, np.concatenate((before, part, after)), before.size + 1 + piece
+                form = replace(self, shapes=(*self.shapes[:i], finer, *self.shapes[i + 1 :]))
+                yield form, np.concatenate((before, part, after)), before.size + 1 + piece
 
     # as a scenario
 
+    def columns(self, numbers: Floats) -> dict[str, Floats]:
+        """The numbers (R, n) as a table for `simulate_many`: parameter paths to columns (R,), SI."""
+        scale = self.scale
+        table: dict[str, Floats] = {}
+        if self.masses == 2:
+            engine = numbers[:, 0] * scale.mass
+            table |= {"engine.mass": engine, "cabin.mass": scale.mass - engine}
+            table[f"{MOUNTS}.stiffness"] = numbers[:, 1] * scale.force / scale.length
+            table[f"{MOUNTS}.damping"] = numbers[:, 2] * scale.force / scale.speed
+        for shape, part in zip(self.shapes, self.parts(numbers), strict=True):
+            # of one mass, each of the two members takes half
+            place, share = ("vehicle1.members", 0.5) if self.masses == 1 else (shape.name, 1.0)
+            deflections, forces, unloading = shape.curve(part)
+            for i in range(deflections.shape[1]):
+                table[f"{place}.points.{i}.1"] = share * scale.force * forces[:, i]
+                if i:
+                    table[f"{place}.points.{i}.0"] = scale.length * deflections[:, i]
+            table[f"{place}.unloading_stiffness"] = share * scale.force / scale.length * unloading
+        return table
+
     def scenario(self, numbers: Floats, *, digits: int | None = None) -> CrashScenario | NetworkScenario:
         """The front against the wall; its values rounded to so many significant digits."""
-        return self._crash(numbers, digits) if self.masses == 1 else self._network(numbers, digits)
-
-    def _crash(self, numbers: Floats, digits: int | None) -> CrashScenario:
-        members = self._curve(self.shapes[0], numbers, digits, share=0.5)
-        vehicle = {"mass": self.scale.mass, "speed": self.scale.speed, "members": members}
-        return CrashScenario.model_validate({"duration": self.scale.duration, "vehicle1": vehicle})
-
-    def _network(self, numbers: Floats, digits: int | None) -> NetworkScenario:
+        values = {path: _rounded(column[0], digits) for path, column in self.columns(numbers[np.newaxis]).items()}
         scale = self.scale
-        engine = _rounded(numbers[0] * scale.mass, digits)
-        mounts = {
-            "stiffness": _rounded(numbers[1] * scale.force / scale.length, digits),
-            "damping": _rounded(numbers[2] * scale.force / scale.speed, digits),
-        }
+        if self.masses == 1:
+            vehicle = {"mass": scale.mass, "speed": scale.speed, "members": _curve(values, "vehicle1.members")}
+            return CrashScenario.model_validate({"duration": scale.duration, "vehicle1": vehicle})
         elements: list[dict[str, object]] = [
-            {"name": shape.name, "between": shape.between, "law": "curve", **self._curve(shape, part, digits)}
-            for shape, part in zip(self.shapes, self.parts(numbers), strict=True)
+            {"name": shape.name, "between": shape.between, "law": "curve", **_curve(values, shape.name)}
+            for shape in self.shapes
         ]
-        if any(mounts.values()):
-            elements.append({"name": MOUNTS, "between": ("engine", "cabin"), "law": "linear", **mounts})
+        mounts = {name: values[f"{MOUNTS}.{name}"] for name in ("stiffness", "damping")}
+        elements.append({"name": MOUNTS, "between": ("engine", "cabin"), "law": "linear", **mounts})
+        engine = values["engine.mass"]
+        masses = [("cabin", scale.mass - engine), ("engine", engine)]
         return NetworkScenario.model_validate(
             {
                 "duration": scale.duration,
-                "masses": [
-                    {"name": "cabin", "mass": scale.mass - engine, "speed": scale.speed},
-                    {"name": "engine", "mass": engine, "speed": scale.speed},
-                ],
+                "masses": [{"name": name, "mass": mass, "speed": scale.speed} for name, mass in masses],
                 "elements": elements,
             }
         )
 
-    def _curve(self, shape: Shape, numbers: Floats, digits: int | None, share: float = 1.0) -> dict[str, object]:
-        deflections, forces, unloading = shape.curve(numbers)
-        points = [
-            (_rounded(d * self.scale.length, digits), _rounded(share * f * self.scale.force, digits))
-            for d, f in zip(deflections, forces, strict=True)
-        ]
-        return unloading_curve(points, _rounded(share * unloading * self.scale.force / self.scale.length, digits))
+
+def _curve(values: dict[str, float], place: str) -> dict[str, object]:
+    """The curve whose numbers are at these paths, as a scenario has it."""
+    count = sum(path.startswith(f"{place}.points.") and path.endswith(".1") for path in values)
+    points = [(values.get(f"{place}.points.{i}.0", 0.0), values[f"{place}.points.{i}.1"]) for i in range(count)]
+    return unloading_curve(points, values[f"{place}.unloading_stiffness"])
 
 
 def unloading_curve(points: list[tuple[float, float]], unloading: float) -> dict[str, object]:
     """A curve that unloads plastically, as a scenario has it, its line at least as steep as the steepest piece."""
-    steepest = max((f1 - f0) / (d1 - d0) for (d0, f0), (d1, f1) in zip(points, points[1:], strict=False))
+    steepest = max((f1 - f0) / (d1 - d0) for (d0, f0), (d1, f1) in pairwise(points))
     return {"points": points, "unloading": "plastic", "unloading_stiffness": max(unloading, _STEEPER * steepest)}
 
 
@@ -182,9 +197,9 @@ def _rounded(value: float, digits: int | None) -> float:
 
 def one_mass(scale: Scale, deflections: Floats, forces: Floats, unloading: float) -> tuple[Form, Floats]:
     """A front of one mass with this curve, in units of the scale; unloading is a logarithm."""
-    front = Form(scale, (Shape(RAILS, ("wall", "cabin"), deflections.size - 1),))
+    form = Form(scale, (Shape(RAILS, ("wall", "cabin"), deflections.size - 1),))
     numbers = np.concatenate((forces[:1], forces[1:], np.diff(deflections), [unloading]))
-    return front, within(front, numbers)
+    return form, within(form, numbers)
 
 
 def two_masses(scale: Scale, share: float, gap: float, clearance: float, rails: Floats) -> tuple[Form, Floats]:
@@ -193,7 +208,7 @@ def two_masses(scale: Scale, share: float, gap: float, clearance: float, rails: 
     rails: forces at the points of the rails' curve, evenly spaced to the crush.
     """
     pieces = rails.size - 1
-    front = Form(
+    form = Form(
         scale,
         (
             Shape(RAILS, ("wall", "cabin"), pieces),
@@ -212,12 +227,12 @@ def two_masses(scale: Scale, share: float, gap: float, clearance: float, rails: 
             [clearance, 0.2, 0.4, 0.5 * reach, 0.5 * reach, 1.0],
         )
     )
-    return front, within(front, numbers)
+    return form, within(form, numbers)
 
 
-def within(front: Form, numbers: Floats) -> Floats:
+def within(form: Form, numbers: Floats) -> Floats:
     """The numbers, each brought a little inside its bounds."""
-    low, high = front.bounds()
+    low, high = form.bounds()
     room = 1e-3 * (high - low)
     inside: Floats = np.clip(numbers, low + room, high - room)
     return inside

@@ -32,8 +32,16 @@ def fronts(found: Extraction) -> tuple[tuple[str, Front], ...]:
 def outcome_table(found: Extraction) -> Table:
     """What was measured, and what each front reaches."""
     test = found.test
-    columns = (Column("", numeric=False), Column("crush", "mm"), Column("at", "ms"), Column("rebound", "km/h"))
-    columns += (Column("restitution"), Column("peak", "g"), Column("cabin rating"), Column("wall force rating"))
+    columns = (
+        Column("", numeric=False),
+        Column("crush", "mm"),
+        Column("at", "ms"),
+        Column("rebound", "km/h"),
+        Column("restitution"),
+        Column("peak", "g"),
+        Column("cabin rating"),
+        Column("wall force rating"),
+    )
     measured = (
         "measured",
         number(test.crush, 1, scale=1e3),
@@ -95,7 +103,9 @@ def tables(found: Extraction) -> tuple[Table, ...]:
 
 def notes(found: Extraction) -> tuple[str, ...]:
     """What was reached and how the channels were chosen, in sentences."""
-    used = f"Cabin: mean of channels {', '.join(found.test.used)}; {found.test.mass:.6g} kg at {3.6 * found.test.speed:.4g} km/h."
+    used = (
+        f"Cabin: mean of channels {', '.join(found.test.used)}; {found.test.mass:.6g} kg at {3.6 * found.test.speed:.4g} km/h."
+    )
     said = (f"{text[:1].upper()}{text[1:]}".rstrip(".") + "." for text in found.test.notes)
     return (*reached(found), used, *said)
 
