@@ -7,7 +7,7 @@ measured too, a second mass, the engine, lets one front follow both, and its mas
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -42,7 +42,8 @@ class Front:
     """A front found, and what it reached against the test it was found from. SI.
 
     crush, stop (its time), rebound: of the response. cabin, barrier: ratings by ISO/TS 18571 of the cabin's acceleration and
-    of the force on the wall, None where that was not measured. engine_mass: None for one mass.
+    of the force on the wall, None where that was not measured. engine_mass, and engine_range, the least and the largest of
+    those fronts from other starts that do about as well: None for one mass.
     """
 
     scenario: CrashScenario | NetworkScenario
@@ -50,6 +51,7 @@ class Front:
     cabin: Rating
     barrier: Rating | None
     engine_mass: float | None
+    engine_range: tuple[float, float] | None = None
 
     @property
     def response(self) -> Response:
@@ -170,15 +172,19 @@ def extract(
     two = None
     if test.barrier is not None and masses != 1:
         rng = np.random.default_rng(seed)
-        two = _found(test, *fit.fit_two_masses(test, most=pieces, rng=rng, advance=advance))
+        form, numbers, engines = fit.fit_two_masses(test, most=pieces, rng=rng, advance=advance)
+        two = replace(_found(test, form, numbers), engine_range=engines)
     best = one if two is None else two
     return Extraction(test, one, two, (*test.warnings, *_shortcomings(best, test)))
 
 
 def _found(test: WallTest, form: Form, numbers: Floats) -> Front:
     """The front as a scenario of few digits and no more points than the test reached, and what that scenario reaches."""
-    scenario = form.scenario(numbers, digits=_DIGITS)
-    scenario = _described(_reached_only(scenario, _simulated(test, scenario).response), test)
+    whole = form.scenario(numbers, digits=_DIGITS)
+    of_whole = _simulated(test, whole)
+    cut = _reached_only(whole, of_whole.response)
+    changed = float(np.abs(_simulated(test, cut).acceleration - of_whole.acceleration).max())
+    scenario = _described(cut if changed < _CLOSE * test.peak else whole, test)
     simulated = _simulated(test, scenario)
     since = test.time >= -1e-9
     end = min(test.end, _LONGEST_RATED)
@@ -225,9 +231,10 @@ def _cut(curve: ForceDeflection, reach: float) -> dict[str, Any]:
     points = curve.points or ()
     deflections, forces = np.array(points).T
     reach = float(f"{max(reach, 1e-3):.{_DIGITS}g}")
-    # a point just before the last one says nothing, unless it ends the gap
-    kept = [(d, f) for d, f in points if d < reach and (f == 0.0 or d == 0.0 or d < (1.0 - _CLOSE) * reach)]
+    kept = list(points)
     if reach < deflections[-1]:
+        # a point just before the last one says nothing, unless it ends the gap
+        kept = [(d, f) for d, f in points if d < reach and (f == 0.0 or d == 0.0 or d < (1.0 - _CLOSE) * reach)]
         kept.append((reach, float(f"{np.interp(reach, deflections, forces):.{_DIGITS}g}")))
     if len(kept) < 2:
         kept = [*points[:2]]
@@ -294,7 +301,11 @@ def reached(found: Extraction) -> tuple[str, ...]:
     if found.two is not None and one.barrier is not None:
         lines.append(f"One mass reaches: cabin acceleration {one.cabin.value:.3f}, force on the wall {one.barrier.value:.3f}.")
     if front.engine_mass is not None:
-        lines.append(f"Engine, with what moves with it: {front.engine_mass:.0f} kg of {test.mass:.0f} kg.")
+        least, most = front.engine_range or (front.engine_mass, front.engine_mass)
+        lines.append(
+            f"Engine, with what moves with it: {front.engine_mass:.0f} kg of {test.mass:.0f} kg "
+            f"({least:.0f} to {most:.0f} kg do about as well)."
+        )
     if found.momentum is not None:
         lines.append(momentum_sentence(found.momentum))
     return tuple(lines)
@@ -337,6 +348,7 @@ def _front(front: Front, test: WallTest) -> dict[str, Any]:
         "cabin_rating": front.cabin.value,
         "barrier_rating": None if front.barrier is None else front.barrier.value,
         "engine_mass": front.engine_mass,
+        "engine_mass_range": None if front.engine_range is None else list(front.engine_range),
         "curves": {
             name: {"points": [list(point) for point in curve.points or ()], "unloading_stiffness": curve.unloading_stiffness}
             for name, curve in front.curves.items()

@@ -25,6 +25,8 @@ FOLLOWED = 0.05
 """A curve has enough pieces when what it is read off, or has to follow, is met to this part of its peak, root mean square."""
 GAIN = 0.03
 """Part of the misfit that one more piece has to take away to be worth having."""
+NEARLY = 1.15
+"""How many times the misfit of the best a front may have to do about as well."""
 MOST = 8
 """Pieces a curve has at most, unless told otherwise."""
 
@@ -35,8 +37,11 @@ _ASSUMED = 3.0  # how many times as far an assumed rebound may be off
 _ENGINE = 0.5  # weight of the engine's velocity: its sensors differ from each other as the engine turns
 _STEP = 1e-4  # of differences, in numbers near 1
 _FAILED = 10.0
-_STARTS, _POLISHED = 12, 3
+_STARTS, _POLISHED = 16, 6
 _TRIAL, _POLISH, _REFIT = 15, 60, 30  # evaluations of a start, of the best of them, after a cut
+_CLEARANCE = 0.15  # from engine to firewall, part of the crush
+_NEAR = (0.75, 1.25)  # of what the engine's channels tell
+_SHARES, _GAPS = (0.1, 0.35), (0.2, 0.7)  # of an engine without channels: part of the mass, of the crush
 _CUTS = 3  # places tried for one more piece
 
 Advance = Callable[[str], None]
@@ -256,8 +261,12 @@ def fit_one_mass(test: WallTest, *, most: int = MOST) -> tuple[Form, Floats]:
 
 def fit_two_masses(
     test: WallTest, *, most: int = MOST, rng: np.random.Generator, advance: Advance = lambda _: None
-) -> tuple[Form, Floats]:
-    """A front of cabin and engine that follows the cabin and the wall's force, for a test that has both."""
+) -> tuple[Form, Floats, tuple[float, float]]:
+    """A front of cabin and engine that follows the cabin and the wall's force, for a test that has both.
+
+    With it the least and the largest engine mass [kg] of it and of the other fronts that do about as well (NEARLY), from
+    other starts.
+    """
     misfit = Misfit(test, with_barrier=True)
     tried = []
     for form, numbers in _starts(test, most, rng):
@@ -269,6 +278,7 @@ def fit_two_masses(
         polished.append(refined(misfit, one.form, one.numbers, _POLISH))
         advance("the best of them")
     best = min(polished, key=lambda one: one.cost)
+    alike = [one for one in polished if misfit.rms(one.misfit) <= NEARLY * misfit.rms(best.misfit)]
     while misfit.rms(best.misfit) > FOLLOWED:
         finer = []
         for form, numbers in _cuts(misfit, best, most):
@@ -278,7 +288,8 @@ def fit_two_masses(
         if better.cost >= (1.0 - GAIN) ** 2 * best.cost:
             break
         best = better
-    return best.form, best.numbers
+    engines = [test.mass * float(one.numbers[0]) for one in (*alike, best)]
+    return best.form, best.numbers, (min(engines), max(engines))
 
 
 STEPS = _STARTS + _POLISHED + 5 * _CUTS
@@ -286,26 +297,21 @@ STEPS = _STARTS + _POLISHED + 5 * _CUTS
 
 
 def _starts(test: WallTest, most: int, rng: np.random.Generator) -> list[tuple[Form, Floats]]:
-    """Fronts to begin with: the engine's mass and gap as the data have them, and varied."""
-    assert test.barrier is not None
+    """Fronts to begin with: the engine's mass and gap as the data have them, and varied, widely if no engine was measured."""
     scale = scale_of(test)
     share, gap = engine_guess(test)
     deflections, forces = measured_curve(test)
     pieces = min(3, most)
     at = np.interp(np.linspace(0.0, test.crush, pieces + 1), deflections, forces) / scale.force
-    starts = []
-    for i in range(_STARTS):
-        vary = rng.uniform(-1.0, 1.0, 4) if i else np.zeros(4)
-        rails = np.clip(at * rng.uniform(0.4, 1.0, at.size) if i else 0.6 * at, 0.02, 2.0)
-        starts.append(
-            two_masses(
-                scale,
-                share * (1.0 + 0.25 * vary[0]),
-                gap * (1.0 + 0.25 * vary[1]),
-                0.15 * (1.0 + 0.8 * vary[2]),
-                rails,
-            )
-        )
+    starts = [two_masses(scale, share, gap, _CLEARANCE, np.clip(0.6 * at, 0.02, 2.0))]
+    for _ in range(_STARTS - 1):
+        if test.engine is None:
+            mass, way = rng.uniform(*_SHARES), rng.uniform(*_GAPS)
+        else:
+            mass, way = share * rng.uniform(*_NEAR), gap * rng.uniform(*_NEAR)
+        clearance = _CLEARANCE * rng.uniform(0.2, 1.8)
+        rails = np.clip(at * rng.uniform(0.4, 1.0, at.size), 0.02, 2.0)
+        starts.append(two_masses(scale, mass, way, clearance, rails))
     return starts
 
 
