@@ -248,7 +248,7 @@ def extract(
         from ridedown.studies.extract import STEPS
         from ridedown.studies.extract import extract as extracted
 
-        _say_if_cold()
+        _compile_if_cold()
         with show.progress("extracting", STEPS) as advance:
             found = extracted(record, **given, barrier=wall, masses=masses, pieces=pieces, seed=seed, advance=advance)
         _write_extraction(found, out, report)
@@ -382,10 +382,10 @@ def _write_run(response: Response, out: Path) -> None:
 
 def _show_extraction(found: Extraction, out: Path | None) -> None:
     from ridedown.apps import show
-    from ridedown.studies import extract_page
+    from ridedown.report import extract as page
 
-    show.tables(*extract_page.tables(found))
-    for sentence in extract_page.notes(found):
+    show.tables(*page.tables(found))
+    for sentence in page.notes(found):
         show.note(sentence)
     for warning in found.warnings:
         typer.echo(f"ridedown: warning: {' '.join(warning.split())}", err=True)
@@ -400,7 +400,7 @@ def _write_extraction(found: Extraction, out: Path | None, report: Path | None) 
     from ridedown.apps.output import staged
 
     if report is not None:
-        from ridedown.studies.extract_page import write
+        from ridedown.report.extract import write
 
         with show.working("drawing"), staged(report) as stage:
             write(found, stage)

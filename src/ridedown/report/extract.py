@@ -235,7 +235,7 @@ def html(found: Extraction, drawn: tuple[Plot, ...]) -> str:
     """The page of an extraction."""
     test = found.test
     return render(
-        "ridedown.studies",
+        "ridedown.report",
         "extract.html",
         title=f"Front structure from wall test {test.identifier}",
         description=test.title,
