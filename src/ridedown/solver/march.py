@@ -18,20 +18,15 @@ from enum import IntEnum
 
 import numpy as np
 
-from ridedown.compiled import inlined, kernel, part
+from ridedown.compiled import kernel, part
 from ridedown.network.model import Floats, Ints
-from ridedown.solver import events, extremes, laws, restraint, series
+from ridedown.solver import changes, events, extremes, laws, restraint, series, stepping
 from ridedown.solver.layout import (
     BEST,
-    D0,
-    DEGREE,
-    DRIFT,
     FILL,
     FILLING,
-    GD0,
     MEMORY_ROWS,
     PAYOUT,
-    PULL,
     REEL,
     SET,
     STRIDE,
@@ -40,7 +35,6 @@ from ridedown.solver.layout import (
     Table,
     at,
     extreme_at,
-    guard_at,
     line_at,
     memory_at,
     row,
@@ -48,14 +42,9 @@ from ridedown.solver.layout import (
 from ridedown.solver.vector import (
     ALL_LANES,
     WIDTH,
-    binary_exponent,
     first_lane,
-    floor,
     lanes_of,
     load,
-    power_of_two,
-    spread,
-    store,
     where,
 )
 from ridedown.solver.workspace import Lanes, Numbers, Record, Results, Structure
@@ -73,8 +62,6 @@ class Stop(IntEnum):
 
 
 COMPLETED, TOO_MANY_STEPS, BAR_TURNED, NOT_FINITE, CHATTER, RECORD_FULL = (int(stop) for stop in Stop)
-TIMER = -1
-"""What the log has for the mode before, where a timer went off; after it, the timer's number."""
 NO_CRASH = -1
 """Crash number of a lane that has none."""
 NO, YES = events.NO, events.YES
@@ -82,9 +69,6 @@ NO, YES = events.NO, events.YES
 STEP_LIMIT = 100_000
 _BAR_LIMIT = 1.4  # rad: tan has its pole at pi/2
 _IDLE_LIMIT = 60  # steps of no length before a crash is given up as chattering
-_GAUSS = np.polynomial.legendre.leggauss(DEGREE + 1)  # exact to twice the degree
-_NODES, _WEIGHTS = 0.5 * (1.0 + _GAUSS[0]), 0.5 * _GAUSS[1]
-_TINY = 1e-300  # a coefficient below it sets no step
 _BRAKING_TIME = 0.05  # s: a crash brakes its speed in about so long; sets the scale of acceleration
 
 
@@ -138,12 +122,12 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
         if active == 0:
             break
         series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, turn, d)
-        _change_modes(
+        changes.change_modes(
             lanes, pair_element, pending, pending_count, crash, time, d, law, piece_start, coefficients, pieces, second_pair,
             line, guard, memory, mode, log,
         )  # fmt: skip
         if timed:
-            _keep_time(
+            changes.keep_time(
                 lanes, driven, timer_element, timer_action, timer_value, pulse_start, pulse_series, pulse_amplitude,
                 pulse_length, crash, until, pause, time, timer, pulse, origin, piece, d, acc, piece_start, coefficients, pieces,
                 second_pair, line, guard, memory, mode, log,
@@ -154,26 +138,26 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
             pull_element, pull_sign, bars, bar_of, arm, inverse_inertia, line, q, tan, sec2, turn, moment, d, f, acc,
         )  # fmt: skip
 
-        _choose_steps(
+        stepping.choose_steps(
             lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, trial, q, tan, step, last, power
         )
         events.find(
             lanes, law, pair_element, second_pair, guard, d, crash, last, idle, step, power, event, pending, pending_count,
             falling, owner, poly, room,
         )  # fmt: skip
-        _powers(lanes, step, power)
+        stepping.powers(lanes, step, power)
         extremes.track_all(
             lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, lane_series,
             time, step, power, extreme, falling, owner, poly, room, crash, until, sample_time, sampled, samples,
         )  # fmt: skip
         if with_work:
-            _add_work(lanes, law.size, step, d, f, work)
+            stepping.add_work(lanes, law.size, step, d, f, work)
         if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:
-            _keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, kept)
-        _advance(lanes, parent.size, step, last, pause, time, steps, idle, q, scale)
+            stepping.keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, kept)
+        stepping.advance(lanes, parent.size, step, last, pause, time, steps, idle, q, scale)
         for e in range(law.size):
             if law[e] == laws.RESTRAINT:
-                _move_on(lanes, e, second_pair[e], step, line, guard, memory)
+                stepping.move_on(lanes, e, second_pair[e], step, line, guard, memory)
 
         full = phases.shape[0] > 0 and (kept[0] >= phases.shape[0] or int(log[0, 0]) + 1 >= log.shape[0])
         for block in range(0, lanes, WIDTH):
@@ -185,7 +169,7 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
                     stop = _stop_of(l, until, pause, last, steps, idle, scale, bars, q)
                     for e in range(law.size):
                         if law[e] == laws.RESTRAINT:
-                            _settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)
+                            changes.settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH
                     until[l] = 0.0
@@ -264,266 +248,6 @@ def _open(
     for k in range(tracked):
         extreme[extreme_at(k, BEST) + l] = -np.inf
         extreme[extreme_at(k, WHEN) + l] = 0.0
-
-
-@kernel
-def _change_modes(
-    lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, d: Floats, law: Ints,
-    piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats,
-    mode: Ints, log: Table,
-) -> None:  # fmt: skip
-    """The mode beyond each guard that has turned negative."""
-    for l in range(lanes):
-        changed = -1
-        for n in range(pending_count[l]):
-            g = pending[row(n) + l]
-            e = pair_element[g // 2]
-            if e != changed:
-                changed = e
-                _change(
-                    e, g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory,
-                    mode, log,
-                )  # fmt: skip
-        pending_count[l] = 0
-
-
-@inlined
-def _change(
-    e, g, l, number, time, d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
-):  # fmt: skip
-    """Guard g, of element e, has turned negative in lane l: into the mode on its other side, and note the event down."""
-    before = mode[row(e) + l]
-    here, rate = d[at(e, 0) + l], d[at(e, 1) + l]
-    if law[e] == laws.RESTRAINT:
-        which = g - 2 * e if g // 2 == e else g - 2 * second_pair[e] + 2
-        after = restraint.next_mode(e, l, number, which, here, rate, piece_start, coefficients, pieces, memory, mode)
-        restraint.enter(e, l, number, after, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
-    else:
-        after = laws.next_mode(e, l, number, g % 2 == 1, here, rate, law, piece_start, coefficients, pieces, memory, mode)
-        laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
-    _note(time, e, before, after, log)
-
-
-@kernel
-def _keep_time(
-    lanes: int, driven: int, timer_element: Ints, timer_action: Ints, timer_value: Table, pulse_start: Floats,
-    pulse_series: Table, pulse_amplitude: Floats, pulse_length: Floats, crash: Ints, until: Floats, pause: Floats, time: Floats,
-    timer: Floats, pulse: Floats, origin: Floats, piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Cube,
-    pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats, mode: Ints, log: Table,
-) -> None:  # fmt: skip
-    """What is due at this time: timers, and the next piece of the pulse; and the driven body's acceleration from here on."""
-    for l in range(lanes):
-        if crash[l] >= 0 and time[l] >= pause[l]:
-            number = crash[l]
-            for t in range(timer_element.size):
-                if timer[row(t) + l] <= time[l]:
-                    timer[row(t) + l] = np.inf
-                    _fire(
-                        t, l, number, time[l], timer_element[t], timer_action[t], timer_value[t, number], d, piece_start,
-                        coefficients, pieces, second_pair, line, guard, memory, mode, log,
-                    )  # fmt: skip
-            if driven >= 0:
-                _next_piece(
-                    l, time[l], pulse_start, pulse_series, pulse_amplitude[number], pulse_length[number], pulse, origin, piece
-                )
-            pause[l] = _next_pause(l, until[l], pulse_start, pulse_length[number], driven, piece, timer, timer_element.size)
-    if driven >= 0:
-        series.drive(lanes, driven, pulse_series.shape[1], pulse, origin, time, acc)
-
-
-@part
-def _fire(
-    t, l, number, time, e, action, value, d, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
-):  # fmt: skip
-    """Timer t, of restraint e, goes off in lane l."""
-    restraint.fire(
-        e, l, number, action, value, d[at(e, 0) + l], d[at(e, 1) + l], piece_start, coefficients, pieces, second_pair[e], line,
-        guard, memory, mode,
-    )  # fmt: skip
-    _note(time, e, TIMER, t, log)
-
-
-@part
-def _note(time, e, before, after, log):
-    n = int(log[0, 0])
-    if n + 1 < log.shape[0]:  # the first row counts the others
-        log[0, 0] += 1.0
-        log[n + 1, 0] = time
-        log[n + 1, 1] = e
-        log[n + 1, 2] = before
-        log[n + 1, 3] = after
-
-
-@part
-def _next_piece(l, time, start, shape, amplitude, length, pulse, origin, piece):
-    """Put the pulse's piece at this time into lane l, in powers of the time since the piece began."""
-    n = max(piece[l], 0)
-    while n + 1 < start.size and start[n + 1] * length <= time:
-        n += 1
-    if n == piece[l]:
-        return
-    piece[l] = n
-    origin[l] = start[n] * length
-    factor, per = amplitude, 1.0 / length
-    for j in range(shape.shape[1]):
-        pulse[row(j) + l] = factor * shape[n, j]
-        factor *= per
-
-
-@part
-def _next_pause(l, until, start, length, driven, piece, timer, timers):
-    """The next time at which lane l has to stop."""
-    due = until
-    if driven >= 0 and piece[l] + 1 < start.size:
-        due = min(due, start[piece[l] + 1] * length)
-    for t in range(timers):
-        due = min(due, timer[row(t) + l])
-    return due
-
-
-@part
-def _settle(e, l, number, step, d, piece_start, coefficients, pieces, memory, mode):
-    """Where the reel of restraint e of lane l is, at the end of its last step."""
-    here, rate = d[at(e, DEGREE) + l], 0.0
-    for j in range(DEGREE - 1, -1, -1):
-        rate = rate * step + here
-        here = here * step + d[at(e, j) + l]
-    restraint.settle(e, l, number, here, rate, piece_start, coefficients, pieces, memory, mode)
-
-
-@part
-def _choose_steps(lanes, coordinates, bars, tolerance, until, pause, time, scale, idle, trial, q, tan, step, last, power):
-    """The length of each lane's step, from its last acceleration coefficients, and no further than the next pause.
-
-    If they fall off as scale / r^n, the step is the same fraction of r whichever of them is looked at. Four are: in a motion
-    from rest, or one that is even in time, every second or three in four are zero. The tangents are looked at too: under
-    constant forces they alone go on for ever.
-    """
-    share = np.log2(tolerance) / (DEGREE - 2)
-    for block in range(0, lanes, WIDTH):
-        steepest = spread(-1e3)  # the logarithm of 1 / r
-        finite = load(scale, block) < np.inf
-        for j in range(DEGREE - 3, DEGREE + 1):
-            total = spread(0.0)
-            for i in range(coordinates):
-                total += abs(load(q, at(i, j) + block))
-            for b in range(bars):
-                total += abs(load(tan, at(b, j) + block))
-            coefficient = j * (j - 1.0) * total / load(scale, block)
-            finite &= coefficient < np.inf
-            steepest = max(steepest, _logarithm(max(coefficient, _TINY)) * (1.0 / (j - 2)))
-        store(scale, block, where(finite, load(scale, block), np.nan))  # a lane that is not finite stops where it is
-        h, tried = _power_of_two(share - steepest), load(trial, block)
-        # while modes settle, the step they are read on never grows: so what is round-off in one mode is in the next
-        h = where((load(idle, block) > 0.0) & (h > tried), tried, h)
-        store(trial, block, h)
-        remaining = load(pause, block) - load(time, block)
-        goes = finite & (load(until, block) > 0.0)  # a lane without a crash does not
-        ends = goes & (h >= remaining)
-        store(last, block, where(ends, YES, NO))
-        store(step, block, where(goes, min(h, remaining), 0.0))
-    _powers(lanes, step, power)
-
-
-@inlined
-def _logarithm(x):
-    """To base two, within 0.01: a step's length needs no more. x positive and normal."""
-    exponent, fraction = binary_exponent(x)
-    return exponent + (2.0 - fraction * (1.0 / 3.0)) * fraction - 5.0 / 3.0
-
-
-@inlined
-def _power_of_two(y):
-    """2^y within 0.3 %."""
-    y = min(max(y, -1e3), 1e3)
-    below = floor(y)
-    rest = y - below
-    return power_of_two(below) * (1.0 + rest * (2.0 / 3.0 + rest * (1.0 / 3.0)))
-
-
-@part
-def _powers(lanes, step, power):
-    """Powers of each lane's step, in rows by order."""
-    for block in range(0, lanes, WIDTH):
-        h, p = load(step, block), spread(1.0)
-        for j in range(DEGREE + 1):
-            store(power, row(j) + block, p)
-            p *= h
-
-
-@part
-def _add_work(lanes, elements, step, d, f, work):
-    """Work done on each element in this step: the integral of f d' dt, exact by Gauss's rule."""
-    for e in range(elements):
-        for block in range(0, lanes, WIDTH):
-            h, total = load(step, block), spread(0.0)
-            for n in range(_NODES.size):
-                t = _NODES[n] * h
-                force, rate = load(f, at(e, DEGREE - 1) + block), DEGREE * load(d, at(e, DEGREE) + block)
-                for j in range(DEGREE - 1, 0, -1):
-                    force = force * t + load(f, at(e, j - 1) + block)
-                    rate = rate * t + float(j) * load(d, at(e, j) + block)
-                total += _WEIGHTS[n] * force * rate
-            to = row(e) + block
-            store(work, to, load(work, to) + where(h > 0.0, total * h, 0.0))
-
-
-@part
-def _keep_phase(coordinates, elements, time, step, q, d, f, phases, kept):
-    """Keep lane 0's series of this step: time, length, then q, d and f by order."""
-    n = kept[0]
-    phases[n, 0, 0] = time
-    phases[n, 0, 1] = step
-    for j in range(phases.shape[1] - 1):  # not a constant, lest the compiler writes it out order by order
-        for i in range(coordinates):
-            phases[n, j + 1, i] = q[at(i, j)]
-        for e in range(elements):
-            phases[n, j + 1, coordinates + e] = d[at(e, j)]
-            phases[n, j + 1, coordinates + elements + e] = f[at(e, j)] if j < DEGREE else 0.0
-    kept[0] += 1
-
-
-@part
-def _advance(lanes, coordinates, step, last, pause, time, steps, idle, q, scale):
-    """The state at the end of the step."""
-    for block in range(0, lanes, WIDTH):
-        h = load(step, block)
-        moved = h > 0.0
-        for i in range(coordinates):
-            o = at(i, DEGREE) + block
-            position = load(q, o)
-            rate = DEGREE * position
-            for j in range(DEGREE - 1, 0, -1):
-                o -= STRIDE
-                c = load(q, o)
-                position = position * h + c
-                rate = rate * h + float(j) * c
-            at_start, rate_row = load(q, o - STRIDE), o
-            position = position * h + at_start
-            store(q, rate_row, where(moved, rate, load(q, rate_row)))
-            store(q, rate_row - STRIDE, where(moved, position, at_start))
-            # a number that is not finite makes this one not finite too, and nothing else ever does
-            store(scale, block, load(scale, block) + where(moved, 0.0 * (position + rate), 0.0))
-        store(time, block, where(moved & (load(last, block) > NO), load(pause, block), load(time, block) + h))
-        store(steps, block, load(steps, block) + 1.0)
-        store(idle, block, where(moved, 0.0, load(idle, block)))
-
-
-@part
-def _move_on(lanes, e, pair, step, line, guard, memory):
-    """What moves with time in restraint e: its reel, as pretensioners pull, and its fill."""
-    for block in range(0, lanes, WIDTH):
-        h = load(step, block)
-        drawn = h * load(line, line_at(e, PULL) + block)
-        reel, zero = memory_at(e, REEL) + block, line_at(e, D0) + block
-        store(memory, reel, load(memory, reel) + drawn)
-        store(line, zero, load(line, zero) - drawn)
-        fill = line_at(e, FILL) + block
-        store(line, fill, load(line, fill) + h * load(line, line_at(e, FILLING) + block))
-        for n in range(4):
-            g = 2 * (e if n < 2 else pair) + n % 2
-            zero = guard_at(g, GD0) + block
-            store(guard, zero, load(guard, zero) - h * load(guard, guard_at(g, DRIFT) + block))
 
 
 @part

@@ -1,0 +1,141 @@
+"""What changes at the start of a step: modes beyond guards that turned negative, and what is due at that time.
+
+The march pauses wherever something is due: a timer of a restraint, the next piece of the driven body's pulse, the end.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ridedown.compiled import inlined, kernel, part
+from ridedown.network.model import Floats, Ints
+from ridedown.solver import laws, restraint, series
+from ridedown.solver.layout import DEGREE, Cube, Table, at, row
+
+TIMER = -1
+"""What the log has for the mode before, where a timer went off; after it, the timer's number."""
+
+
+@kernel
+def change_modes(
+    lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, d: Floats, law: Ints,
+    piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats,
+    mode: Ints, log: Table,
+) -> None:  # fmt: skip
+    """The mode beyond each guard that has turned negative."""
+    for l in range(lanes):
+        changed = -1
+        for n in range(pending_count[l]):
+            g = pending[row(n) + l]
+            e = pair_element[g // 2]
+            if e != changed:
+                changed = e
+                _change(
+                    e, g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory,
+                    mode, log,
+                )  # fmt: skip
+        pending_count[l] = 0
+
+
+@inlined
+def _change(
+    e, g, l, number, time, d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
+):  # fmt: skip
+    """Guard g, of element e, has turned negative in lane l: into the mode on its other side, and note the event down."""
+    before = mode[row(e) + l]
+    here, rate = d[at(e, 0) + l], d[at(e, 1) + l]
+    if law[e] == laws.RESTRAINT:
+        which = g - 2 * e if g // 2 == e else g - 2 * second_pair[e] + 2
+        after = restraint.next_mode(e, l, number, which, here, rate, piece_start, coefficients, pieces, memory, mode)
+        restraint.enter(e, l, number, after, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
+    else:
+        after = laws.next_mode(e, l, number, g % 2 == 1, here, rate, law, piece_start, coefficients, pieces, memory, mode)
+        laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+    _note(time, e, before, after, log)
+
+
+@kernel
+def keep_time(
+    lanes: int, driven: int, timer_element: Ints, timer_action: Ints, timer_value: Table, pulse_start: Floats,
+    pulse_series: Table, pulse_amplitude: Floats, pulse_length: Floats, crash: Ints, until: Floats, pause: Floats, time: Floats,
+    timer: Floats, pulse: Floats, origin: Floats, piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Cube,
+    pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats, mode: Ints, log: Table,
+) -> None:  # fmt: skip
+    """What is due at this time: timers, and the next piece of the pulse; and the driven body's acceleration from here on."""
+    for l in range(lanes):
+        if crash[l] >= 0 and time[l] >= pause[l]:
+            number = crash[l]
+            for t in range(timer_element.size):
+                if timer[row(t) + l] <= time[l]:
+                    timer[row(t) + l] = np.inf
+                    _fire(
+                        t, l, number, time[l], timer_element[t], timer_action[t], timer_value[t, number], d, piece_start,
+                        coefficients, pieces, second_pair, line, guard, memory, mode, log,
+                    )  # fmt: skip
+            if driven >= 0:
+                _next_piece(
+                    l, time[l], pulse_start, pulse_series, pulse_amplitude[number], pulse_length[number], pulse, origin, piece
+                )
+            pause[l] = _next_pause(l, until[l], pulse_start, pulse_length[number], driven, piece, timer, timer_element.size)
+    if driven >= 0:
+        series.drive(lanes, driven, pulse_series.shape[1], pulse, origin, time, acc)
+
+
+@part
+def _fire(
+    t, l, number, time, e, action, value, d, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
+):  # fmt: skip
+    """Timer t, of restraint e, goes off in lane l."""
+    restraint.fire(
+        e, l, number, action, value, d[at(e, 0) + l], d[at(e, 1) + l], piece_start, coefficients, pieces, second_pair[e], line,
+        guard, memory, mode,
+    )  # fmt: skip
+    _note(time, e, TIMER, t, log)
+
+
+@part
+def _note(time, e, before, after, log):
+    n = int(log[0, 0])
+    if n + 1 < log.shape[0]:  # the first row counts the others
+        log[0, 0] += 1.0
+        log[n + 1, 0] = time
+        log[n + 1, 1] = e
+        log[n + 1, 2] = before
+        log[n + 1, 3] = after
+
+
+@part
+def _next_piece(l, time, start, shape, amplitude, length, pulse, origin, piece):
+    """Put the pulse's piece at this time into lane l, in powers of the time since the piece began."""
+    n = max(piece[l], 0)
+    while n + 1 < start.size and start[n + 1] * length <= time:
+        n += 1
+    if n == piece[l]:
+        return
+    piece[l] = n
+    origin[l] = start[n] * length
+    factor, per = amplitude, 1.0 / length
+    for j in range(shape.shape[1]):
+        pulse[row(j) + l] = factor * shape[n, j]
+        factor *= per
+
+
+@part
+def _next_pause(l, until, start, length, driven, piece, timer, timers):
+    """The next time at which lane l has to stop."""
+    due = until
+    if driven >= 0 and piece[l] + 1 < start.size:
+        due = min(due, start[piece[l] + 1] * length)
+    for t in range(timers):
+        due = min(due, timer[row(t) + l])
+    return due
+
+
+@part
+def settle(e, l, number, step, d, piece_start, coefficients, pieces, memory, mode):
+    """Where the reel of restraint e of lane l is, at the end of its last step."""
+    here, rate = d[at(e, DEGREE) + l], 0.0
+    for j in range(DEGREE - 1, -1, -1):
+        rate = rate * step + here
+        here = here * step + d[at(e, j) + l]
+    restraint.settle(e, l, number, here, rate, piece_start, coefficients, pieces, memory, mode)
