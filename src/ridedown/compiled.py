@@ -26,7 +26,7 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 from llvmlite import ir
-from llvmlite.binding import add_symbol
+from llvmlite.binding import add_symbol, get_host_cpu_name
 from numba import __version__ as numba_version
 from numba.core import config, errors, registry, types
 from numba.core.typing import templates
@@ -48,8 +48,9 @@ _OPTIONS: dict[str, Any] = {
 
 
 def _sources_hash(package: Path) -> str:
-    # numba keeps what it compiled by the path of its source, so another checkout starts cold: its folder is another one
-    digest = hashlib.sha256(f"{numba_version} {sys.version} {package}".encode())
+    # numba keeps what it compiled by the path of its source and by processor, so another checkout, or another machine that
+    # has the same home, starts cold: its folder is another one
+    digest = hashlib.sha256(f"{numba_version} {sys.version} {get_host_cpu_name()} {package}".encode())
     for source in (Path(__file__), *sorted(package.glob("*.py"))):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
@@ -124,13 +125,14 @@ class _Part(_Dispatcher):  # type: ignore[misc]
 class _Kernel(_Dispatcher):  # type: ignore[misc]
     """A function compiled on its own, which kernels call by its address.
 
-    They read the address from a cell at run time, so that neither waits for the other to be compiled. It is filled when a
-    kernel that calls this one has been compiled, or loaded.
+    They read the address from a cell at run time, so that neither waits for the other to be compiled; its symbol is the
+    kernel's name. It is filled when a kernel that calls this one has been compiled or loaded, before that one can be called.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function, targetoptions=_OPTIONS)
         self.name = f"{function.__module__}:{function.__name__}"
+        self._alone = False
         self._cell = ctypes.c_void_p()
         add_symbol(self.name, ctypes.addressof(self._cell))
         self._keep(function)
@@ -150,7 +152,7 @@ class _Kernel(_Dispatcher):  # type: ignore[misc]
             _settings.CACHE_DIR = before
 
     def is_kept(self) -> bool:
-        """Whether it was compiled before, on a machine like this."""
+        """Whether it was compiled before."""
         module, function = self.name.rsplit(".", 1)[-1].split(":")
         return self.folder is not None and any(self.folder.rglob(f"{module}.{function}-*.nbc"))
 
@@ -163,18 +165,23 @@ class _Kernel(_Dispatcher):  # type: ignore[misc]
         return _templates.signature(_type_of(hints["return"]), *(_type_of(hints[name]) for name in names))
 
     def build(self) -> None:
-        """Compile it and keep it, but none of those it calls."""
-        with _no_garbage_collected():
-            super().compile(self.declared)
+        """Compile it and keep it, but none of those it calls: it cannot be called here unless they are made ready."""
+        self._alone = True
+        try:
+            self.compile(self.declared)
+        finally:
+            self._alone = False
 
     def compile(self, sig: Any) -> Any:
-        """As numba does, and make sure of the kernels it calls."""
+        """As numba does, but for the declared types with what they say is returned: it is kept under both."""
         with _no_garbage_collected():
-            entry_point = super().compile(sig)
-        arguments = tuple(sig.args) if hasattr(sig, "args") else tuple(sig)
-        for needed in self.overloads[arguments].reload_init:
-            needed()
-        return entry_point
+            return super().compile(self.declared if sig == self.declared.args else sig)
+
+    def add_overload(self, compiled: Any) -> None:
+        """As numba does once it has compiled it, or loaded it: from here on any thread may call it."""
+        for make_ready in () if self._alone else compiled.reload_init:
+            make_ready()
+        super().add_overload(compiled)
 
     def ready(self) -> None:
         """Make its address known to the kernels that call it."""
@@ -211,7 +218,10 @@ def _lowering_of(called: _Kernel) -> str:
         convention, module = context.call_conv, builder.module
         kind = convention.get_function_type(sig.return_type, sig.args).as_pointer()
         cell = module.globals.get(name) or ir.GlobalVariable(module, kind, name)
-        status, result = convention.call_function(builder, builder.load(cell), sig.return_type, sig.args, args)
+        address = builder.load(cell)
+        with builder.if_then(builder.icmp_unsigned("==", address, kind(None)), likely=False):
+            convention.return_user_exc(builder, RuntimeError, (f"{name} was not made ready",))
+        status, result = convention.call_function(builder, address, sig.return_type, sig.args, args)
         with builder.if_then(status.is_error, likely=False):
             convention.return_status_propagate(builder, status)
         context.active_code_library._reload_init.add(partial(_make_ready, name))  # noqa: SLF001
