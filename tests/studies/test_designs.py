@@ -14,6 +14,7 @@ from ridedown.studies.designs import (
     Grid,
     LatinHypercube,
     Random,
+    Scramblings,
     Sobol,
     Variables,
     normal_matrix,
@@ -25,6 +26,7 @@ from ridedown.studies.distributions import LogNormal, Normal, Uniform
 DESIGNS: dict[str, Callable[[int], Design]] = {
     "random": lambda seed: Random(5, seed),
     "sobol": lambda seed: Sobol(5, seed),
+    "scramblings": lambda seed: Scramblings(5, seed, size=250, count=4),
     "held hypercube": lambda seed: LatinHypercube(5, seed, 1000),
     "keyed hypercube": lambda seed: LatinHypercube(5, seed, 100_003),
 }

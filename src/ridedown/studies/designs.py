@@ -8,6 +8,7 @@ References:
     J. Matousek, On the L2-discrepancy for anchored boxes, J. Complexity 14, 1998 (scrambling by linear matrices and a shift).
     M. D. McKay, R. J. Beckman, W. J. Conover, A comparison of three methods for selecting values of input variables,
         Technometrics 21, 1979 (Latin hypercube).
+    A. B. Owen, Scrambled net variance for integrals of smooth functions, Ann. Stat. 25, 1997.
     J. Black, P. Rogaway, Ciphers with arbitrary finite domains, CT-RSA 2002 (the keyed permutation: a Feistel network over
         a x b >= n, walked on until it falls below n).
     J. K. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC 2011 (Philox).
@@ -152,6 +153,42 @@ class Sobol:
             if gray >> j & 1:
                 word = word ^ self._columns[:, j]
         return word
+
+
+@dataclass(frozen=True, slots=True)
+class Scramblings:
+    """Several independent scramblings of one Sobol sequence, `size` rows of each, one after the other.
+
+    How their results differ tells how exact their mean is (Owen 1997), which the rows of one scrambling do not.
+
+    >>> Scramblings(2, seed=0, size=1024, count=8).rows(1024, 1025).shape
+    (1, 2)
+    """
+
+    dimensions: int
+    seed: int
+    size: int
+    count: int
+    _designs: tuple[Sobol, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        for name in ("dimensions", "size", "count"):
+            _at_least_one(getattr(self, name), name)
+        seeds = np.random.SeedSequence(seed_of(self.seed)).generate_state(self.count, np.uint64)
+        object.__setattr__(self, "_designs", tuple(Sobol(self.dimensions, int(seed >> 1)) for seed in seeds))
+
+    def rows(self, start: int, stop: int) -> Floats:
+        """Rows start <= row < stop, (R, d)."""
+        _check_range(start, stop)
+        if stop > self.size * self.count:
+            raise InvalidInput(f"rows: got up to {stop}; need <= {self.size * self.count}, {self.count} times {self.size}.")
+        parts = [np.empty((0, self.dimensions))]
+        while start < stop:
+            number, place = divmod(start, self.size)
+            end = min(stop - number * self.size, self.size)
+            parts.append(self._designs[number].rows(place, end))
+            start = number * self.size + end
+        return np.concatenate(parts)
 
 
 @dataclass(frozen=True, slots=True)
