@@ -1,38 +1,33 @@
 """The paper's unstated vehicles, found again from its ten numbers: the inverse problem, solved with ridedown itself.
 
-The numbers depend on ratios of force to mass alone, so that vehicle 1's mass stays as in the catalogue, and so does the spacing
+It is a calibration file like any other (`identify.toml`), searched until what is found also shows the paper's trends. The
+numbers depend on ratios of force to mass alone, so that vehicle 1's mass stays as in the catalogue, and so does the spacing
 of its rails. Whatever is found is a reconstruction: see docs/decisions/paper-vehicle.md.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
 from ridedown.paper import cases
-from ridedown.paper.candidates import UNKNOWNS, Crashes, crash, scenario_of, values_of, with_vehicle
-from ridedown.paper.numbers import PRINTED, ROUNDING, Headline, headlines
+from ridedown.paper.candidates import FILE, calibration_to, scenario_of, with_vehicle
+from ridedown.paper.numbers import PRINTED, Headline, headlines
 from ridedown.paper.reproduce import Reproduction
 from ridedown.paper.trends import trends
 from ridedown.scenario import CrashScenario, dump
 from ridedown.simulation import simulate
-from ridedown.studies.search import Effort, Found, runs
+from ridedown.studies.fit import effort_of
+from ridedown.studies.problem import Problem
+from ridedown.studies.search import Effort, runs
+from ridedown.studies.unknowns import values_of
 
-Floats = NDArray[np.float64]
-
-MOST_CRUSH, MOST_TURN = 1.1, 1.0
-"""What is taken for possible: deflection of a member [m], for which a car has room; rotation of the bar [rad]."""
 NEAR = 0.03
 """The largest relative error that a vehicle of the paper may have in any of the ten numbers [1]."""
 
-_MARGIN = 0.85
-"""How much of the print's rounding the search uses: its result is rounded afterwards."""
-_FAR = 0.028
-"""Relative error above which a number costs much more, a little below `NEAR` for the same reason [1]."""
 _DIGITS = 4
 """Significant digits of the values found."""
 
@@ -84,71 +79,51 @@ class Identified:
 def identify(
     target: Sequence[float] | None = None,
     *,
-    seed: int | np.random.Generator | None = 0,
+    seed: int | np.random.Generator | None = None,
     effort: Effort | None = None,
-    threads: int = 2,
 ) -> Identified:
     """Find vehicles that give the ten numbers, by global search with `simulate_many`.
 
     target: the ten numbers, in the order and the units of `ridedown.paper.numbers.PRINTED`; the paper's own if left out.
-    seed: of the search; the same one finds the same vehicles, on one thread or two. effort: when to give up.
+    seed: of the search; the file's if left out. The same one finds the same vehicles. effort: when to give up; the file's if
+    left out.
 
     Returns: the first that are `complete`, their values rounded to four digits; or else the best there were: first by the
     trends, then by errors of at most 3 %, then by how many numbers round to the target's.
 
-    Raises: InvalidInput for a target that is not ten positive numbers; SimulationStopped if not one candidate could be crashed
-    to its end, as may be with very little effort.
+    Raises: InvalidInput for a target that is not ten positive numbers, and where not one candidate could be crashed to its
+    end, as may be with very little effort.
     """
-    wanted = _checked(target)
-    search = runs(
-        lambda points: _misfit(crash(values_of(points), threads=threads), wanted),
-        len(UNKNOWNS),
-        effort or Effort(),
-        np.random.default_rng(seed),
-    )
+    calibration = calibration_to(target)
+    wanted = [printed.value for printed in PRINTED] if target is None else [float(number) for number in target]
+    problem = Problem.of(calibration, FILE.parent)
+    rng = np.random.default_rng(calibration.search.seed if seed is None else seed)
     best: Identified | None = None
-    for found in search:
-        latest = _judged(found, wanted)
+    for found in runs(problem.misfit, len(problem.unknowns), effort or effort_of(calibration.search), rng):
+        if not np.isfinite(found.value):
+            continue
+        names = [unknown.name for unknown in problem.unknowns]
+        values = dict(zip(names, values_of(problem.unknowns, found.best).tolist(), strict=True))
+        latest = _judged(values, wanted, found.tried)
         if best is None or _rank(latest) > _rank(best):
             best = latest
         if best.complete:
             break
-    assert best is not None
+    if best is None:
+        raise InvalidInput("effort: got a search that no candidate survived; need more candidates. Search harder.")
     return best
 
 
-def _checked(target: Sequence[float] | None) -> Floats:
-    if target is None:
-        return np.array([printed.value for printed in PRINTED])
-    numbers = np.asarray(target, dtype=np.float64)
-    if numbers.shape != (len(PRINTED),) or not (np.isfinite(numbers) & (numbers > 0.0)).all():
-        raise InvalidInput(f"target: got {target!r}; need {len(PRINTED)} positive numbers. Give them in the order of PRINTED.")
-    return numbers
-
-
-_ROUNDING = np.array([ROUNDING[printed.quantity] for printed in PRINTED])
-
-
-def _misfit(crashes: Crashes, wanted: Floats) -> Floats:
-    """How far candidates are from the numbers, shape (R,): nothing counts much once all round to them and the car has room."""
-    error = np.abs(crashes.numbers - wanted)
-    beyond_print = np.maximum(error / _ROUNDING - _MARGIN, 0.0) ** 2 + 1e-3 * (error / _ROUNDING) ** 2
-    far = np.maximum(error / wanted - _FAR, 0.0) / 0.01
-    room = np.maximum(crashes.crush - MOST_CRUSH, 0.0) / 0.03, np.maximum(crashes.turn - MOST_TURN, 0.0) / 0.1
-    misfit = (beyond_print + far**2).sum(axis=1) + room[0] ** 2 + room[1] ** 2
-    return np.where(np.isnan(misfit), np.inf, misfit)
-
-
-def _judged(found: Found, wanted: Floats) -> Identified:
+def _judged(found: Mapping[str, float], wanted: Sequence[float], tried: int) -> Identified:
     """The vehicles with their values rounded, in all of the paper's cases."""
-    values = np.array([float(f"{value:.{_DIGITS}g}") for value in values_of(found.best)])
+    values = {name: float(f"{value:.{_DIGITS}g}") for name, value in found.items()}
     responses = {case.scenario: simulate(with_vehicle(scenario_of(case), values)) for case in cases.ALL}
-    table = tuple(replace(h, paper=float(number)) for h, number in zip(headlines(responses), wanted, strict=True))
+    table = tuple(replace(h, paper=number) for h, number in zip(headlines(responses), wanted, strict=True))
     return Identified(
-        values={unknown.name: float(value) for unknown, value in zip(UNKNOWNS, values, strict=True)},
+        values=values,
         reproduction=Reproduction(table, trends(responses), responses),
         scenario=_offset_with_both(values),
-        tried=found.tried,
+        tried=tried,
     )
 
 
@@ -156,7 +131,7 @@ def _rank(identified: Identified) -> tuple[bool, bool, int, float]:
     return identified.trends_hold, identified.worst <= NEAR, identified.within, -identified.worst
 
 
-def _offset_with_both(values: Floats) -> CrashScenario:
+def _offset_with_both(values: Mapping[str, float]) -> CrashScenario:
     adult, child = (scenario_of(case) for case in (cases.ADULT_OFFSET, cases.CHILD_OFFSET))
     both = adult.model_copy(
         update={

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -129,9 +130,7 @@ class Problem:
     def residuals(self, points: Floats) -> Floats:
         """Weighted residuals (R, m) of points of the unit cube (R, n); NaN in rows that cannot be."""
         values = values_of(self.unknowns, points)
-        blocks = [
-            block for case in self.cases for block in residuals(case.channels, case.numbers, case.evaluate(values), case.weight)
-        ]
+        blocks = [block for found in self._each_case(values) for block in found]
         for i, unknown in enumerate(self.unknowns):
             if unknown.prior is not None:
                 middle, sigma = unknown.prior
@@ -139,6 +138,17 @@ class Problem:
         found = np.concatenate(blocks, axis=1)
         self._remember(points, found)
         return found
+
+    def _each_case(self, values: Floats) -> list[list[Floats]]:
+        """Residuals of each case: side by side, for a solver at work lets others go on."""
+
+        def of(case: ResolvedCase) -> list[Floats]:
+            return residuals(case.channels, case.numbers, case.evaluate(values), case.weight)
+
+        if len(self.cases) == 1:
+            return [of(self.cases[0])]
+        with ThreadPoolExecutor(min(len(self.cases), os.cpu_count() or 1)) as pool:
+            return list(pool.map(of, self.cases))
 
     def misfit(self, points: Floats) -> Floats:
         """Sum of squares of the residuals, (R,); infinite where a candidate cannot be."""
