@@ -141,6 +141,11 @@ def wanted(
     )
 
 
+def known_outcomes(network: Network, further: Mapping[str, Channel] | None = None) -> dict[str, str]:
+    """Every outcome that a network has, with its unit; `further`: channels that the network itself has not."""
+    return dict(_known(network, {**channels(network), **(further or {})}))
+
+
 def _sample_times(network: Network, sampled: Sequence[str], times: ArrayLike | None) -> Floats:
     grid = np.zeros(0) if times is None else np.asarray(times, dtype=np.float64)
     if (times is None) != (not sampled):

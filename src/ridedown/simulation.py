@@ -69,7 +69,7 @@ def simulate_many(
     array([0.484, 0.364, 0.207])
     """
     columns, rows = _columns(table)
-    workers = _workers(threads)
+    count = workers(threads)
     network = lower(scenario)
     plan = wanted(network, outcomes, samples, times, further=total_forces(getattr(scenario, "occupants", ()), network))
     substitute(scenario, columns)  # the whole table is judged before the first crash is solved
@@ -79,11 +79,11 @@ def simulate_many(
     def solve(start: int) -> None:
         _solve_chunk(scenario, columns, plan, result, slice(start, min(start + _CHUNK, rows)))
 
-    if workers == 1 or len(starts) == 1:
+    if count == 1 or len(starts) == 1:
         for start in starts:
             solve(start)
     else:
-        with ThreadPoolExecutor(workers) as pool:
+        with ThreadPoolExecutor(count) as pool:
             list(pool.map(solve, starts))
     return result
 
@@ -121,7 +121,8 @@ def _columns(table: Mapping[str, ArrayLike]) -> tuple[dict[str, NDArray[np.float
     return columns, next(iter(rows.values()), 1)
 
 
-def _workers(threads: object) -> int:
+def workers(threads: object) -> int:
+    """How many threads to use: those asked for, or as many as this process may use cores. Raises: InvalidInput."""
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:

@@ -260,6 +260,54 @@ def extract(
 
 
 @app.command()
+def study(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A study: TOML or YAML.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Where results are kept; FILE-results if left out.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with a study that was stopped.")] = False,
+    cluster: Annotated[
+        str | None, typer.Option("--cluster", metavar="ADDRESS", help="Compute on a Dask cluster, such as tcp://host:8786.")
+    ] = None,
+    threads: Annotated[
+        int | None, typer.Option("--threads", help="Threads on this machine; one for each core if left out.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Run a design study: very many crashes, kept in a folder.
+
+    Ctrl-C stops it; --resume goes on where it was. Results can be asked by SQL: ridedown query.
+    """
+    with _plain_errors():
+        from ridedown.apps.study import study as made
+
+        if not made(
+            file, out, resume=resume, cluster=cluster, threads=threads, as_json=as_json, compile_if_cold=_compile_if_cold
+        ):
+            raise typer.Exit(STOPPED)
+
+
+@app.command()
+def query(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results of ridedown study.")],
+    sql: Annotated[
+        str, typer.Argument(metavar="SQL", help='Such as: SELECT count(*) FROM results WHERE "adult.excursion.max" > 0.3')
+    ],
+    as_json: Json = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV instead of a table.")] = False,
+) -> None:
+    """Ask the results of a study by SQL.
+
+    Tables: results (a row for each crash: parameters, outcomes, status, why) and columns (names and
+    units). Values are SI. Only reads.
+    """
+    with _plain_errors():
+        from ridedown.apps.study import query as asked
+
+        asked(folder, sql, as_json=as_json, as_csv=as_csv)
+
+
+@app.command()
 def paper(
     as_json: Json = False,
     out: Out = None,

@@ -60,6 +60,15 @@ def searching(what: str) -> Iterator[Callable[[str, int, float], None]]:
         )
 
 
+def rows_bar(rows: int) -> Progress:
+    """A bar on stderr for so many rows, with one task; start and stop it."""
+    bar = Progress(
+        BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), console=console(stderr=True), transient=True
+    )
+    bar.add_task("", total=rows)
+    return bar
+
+
 def catalogue_list() -> None:
     """Print every entry of the catalogue: name, how sure its numbers are, what it is."""
     entries = [catalogue.entry(name) for name in catalogue.names()]

@@ -11,7 +11,7 @@ from ridedown.scenario.member import Member, Piece
 from ridedown.scenario.model import Collision, CrashScenario, Source
 from ridedown.scenario.networks import Crush, NetworkScenario, PointMass, Tie
 from ridedown.scenario.occupant import Body, Joint, Occupant, Restraint, Seat
-from ridedown.scenario.parameters import Parameter, parameters, substitute
+from ridedown.scenario.parameters import Parameter, broken_rules, parameters, quantities, substitute
 from ridedown.scenario.restraints import Airbag, AnyRestraint, Belt, Contact, LoadLimiter, Pretensioner
 from ridedown.scenario.schema import json_schema
 from ridedown.scenario.sled import SledScenario
@@ -44,12 +44,14 @@ __all__ = [
     "Source",
     "Tie",
     "Vehicle",
+    "broken_rules",
     "centre_of_mass",
     "dump",
     "json_schema",
     "load",
     "lower",
     "parameters",
+    "quantities",
     "substitute",
     "total_forces",
 ]

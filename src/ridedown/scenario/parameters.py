@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.base import Model, describe, quantities_of
@@ -79,6 +79,43 @@ def substitute(scenario: S, values: Mapping[str, ArrayLike | str]) -> S:
             if refused is not None:
                 raise InvalidInput(f"{_joined(path, refused.field)}: {refused}")
     return changed
+
+
+def quantities(scenario: Scenario) -> dict[str, Quantity]:
+    """What every number that may be set is, by every path that leads there."""
+    return {path: place.quantity for path, place in _places(scenario, everything=True)}
+
+
+def broken_rules(scenario: Scenario, columns: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.bool_]]:
+    """The rows of a table of columns, (R,) each, that `substitute` would refuse: each rule broken, in words, to a mask (R,).
+
+    Rules between fields are looked at in the rows whose values are all within their own bounds.
+
+    Raises: UnknownName for a path that the scenario has not.
+    """
+    places = dict(_places(scenario, everything=True))
+    broken: dict[str, NDArray[np.bool_]] = {}
+    changed: Scenario = scenario
+    rows = max((column.size for column in columns.values()), default=0)
+    within = np.ones(rows, dtype=np.bool_)
+    for path, column in columns.items():
+        if path not in places:
+            raise UnknownName.among("parameter", path, places)
+        quantity = places[path].quantity
+        ok = np.isfinite(column) & np.broadcast_to(quantity.holds(column), column.shape)
+        if not ok.all():
+            broken[f"{path}: need a finite number {quantity.rule}".rstrip()] = ~ok
+            within &= ok
+    for path, column in columns.items():
+        changed = _replaced(changed, places[path].steps, column[within])
+    for path, model in _models(changed):
+        for check in model.checks():
+            holds = np.broadcast_to(np.asarray(check.holds), int(within.sum()))
+            if not holds.all():
+                mask = np.zeros(rows, dtype=np.bool_)
+                mask[within] = ~holds
+                broken[f"{_joined(path, check.field)}: need {check.need}"] = mask
+    return broken
 
 
 def _checked(path: str, given: ArrayLike | str, quantity: Quantity) -> Number:

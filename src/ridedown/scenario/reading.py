@@ -44,15 +44,23 @@ def is_network(data: Mapping[str, Any]) -> bool:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """The bare mapping in a TOML or YAML file. Raises: InvalidInput."""
-    text = _text(path)
+    """The bare mapping in a TOML or YAML file of a scenario. Raises: InvalidInput."""
+    data = table_in(path, _text(path), f"need a scenario, with fields such as vehicle1. {_EXAMPLE}")
+    return anchored(data, path.parent)
+
+
+def table_in(path: Path, text: str, need: str) -> dict[str, Any]:
+    """The mapping that the text of a TOML or YAML file holds; `need`: what to say of one with nothing in it.
+
+    Raises: InvalidInput.
+    """
     if not text.strip():
-        raise InvalidInput(f"{path}: got an empty file; need a scenario. {_EXAMPLE}")
+        raise InvalidInput(f"{path}: got an empty file; {need}")
     data = _yaml(path, text) if path.suffix.lower() in YAML_SUFFIXES else _toml(path, text)
     if not isinstance(data, dict) or not data:
         got = "no fields" if not data else f"a {type(data).__name__}"
-        raise InvalidInput(f"{path}: got {got}; need a table of fields such as vehicle1. {_EXAMPLE}")
-    return anchored(data, path.parent)
+        raise InvalidInput(f"{path}: got {got}; {need}")
+    return data
 
 
 def anchored(data: dict[str, Any], folder: Path) -> dict[str, Any]:

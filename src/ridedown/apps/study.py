@@ -1,0 +1,181 @@
+"""Design studies: run, shown as they go, and asked by SQL."""
+
+from __future__ import annotations
+
+import io
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any, Self
+
+import pyarrow as pa
+import pyarrow.csv
+import typer
+
+from ridedown.apps import show
+from ridedown.errors import InvalidInput
+from ridedown.report.tables import Column, Table
+from ridedown.studies.execution import Progress, Stopped, run_plan
+from ridedown.studies.plan import plan_of
+from ridedown.studies.query import query as rows_for
+from ridedown.studies.study import LoadedStudy, load_study
+from ridedown.studies.summary import summary_of
+
+_EVERY = 10.0
+"""s between two lines of progress, where there is no terminal to draw on."""
+
+_SHOWN = 1000
+"""Rows of a query that a table on the screen has at most."""
+
+
+def study(
+    file: Path,
+    out: Path | None,
+    *,
+    resume: bool,
+    cluster: str | None,
+    threads: int | None,
+    as_json: bool,
+    compile_if_cold: Callable[[], None],
+) -> bool:
+    """Run a study and print what it comes to; whether it came to its end. Raises: InvalidInput, UnknownName."""
+    loaded = load_study(file)
+    plan = plan_of(loaded)
+    folder = Path(f"{file.stem}-results") if out is None else out
+    compile_if_cold()
+    try:
+        with _terminated_as_interrupted(), _Shown(plan.rows) as shown:
+            run_plan(loaded, plan, folder, resume=resume, threads=threads, cluster=cluster, report=shown)
+    except Stopped as stopped:
+        done = stopped.progress.before + stopped.progress.done
+        typer.echo(
+            f"ridedown: stopped with {done:,} of {plan.rows:,} rows kept in {folder}. {_how_to_go_on(file, out)}", err=True
+        )
+        return False
+    summary = summary_of(folder)
+    if as_json:
+        show.as_json(summary)
+    else:
+        _show(loaded, summary, folder)
+    failed = sum(one["rows"] for one in summary["failed"])
+    if failed == summary["rows"]:
+        typer.echo(f"ridedown: all {failed:,} rows failed: {summary['failed'][0]['why']}.", err=True)
+    return bool(failed < summary["rows"])
+
+
+def query(folder: Path, sql: str, *, as_json: bool, as_csv: bool) -> None:
+    """Print what SQL says of the results in a folder. Raises: InvalidInput."""
+    if as_json and as_csv:
+        raise InvalidInput("--csv: got --json and --csv; need one of them. Take one out.")
+    found = rows_for(folder, sql)
+    if as_json:
+        show.as_json(found.to_pylist())
+    elif as_csv:
+        sink = io.BytesIO()
+        pyarrow.csv.write_csv(found, sink)
+        typer.echo(sink.getvalue().decode(), nl=False)
+    else:
+        _table(found)
+
+
+def _table(found: pa.Table) -> None:
+    numeric = [pa.types.is_floating(field.type) or pa.types.is_integer(field.type) for field in found.schema]
+    columns = tuple(Column(name, numeric=number) for name, number in zip(found.column_names, numeric, strict=True))
+    rows = tuple(tuple(_cell(value) for value in row.values()) for row in found.slice(0, _SHOWN).to_pylist())
+    show.tables(Table(f"{found.num_rows:,} rows" if found.num_rows != 1 else "1 row", columns, rows))
+    if not rows:
+        show.note("No rows.")
+    if found.num_rows > _SHOWN:
+        show.note(f"The first {_SHOWN:,} of {found.num_rows:,} rows; --csv prints all.")
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _show(loaded: LoadedStudy, summary: dict[str, Any], folder: Path) -> None:
+    study = loaded.study
+    show.note(f"{study.name or 'A study'}. {study.description}".strip())
+    for remark in summary["remarks"]:
+        show.note(remark)
+    show.console().print()
+    columns = (
+        Column("Outcome", numeric=False),
+        Column("Unit", numeric=False),
+        Column("Least"),
+        Column("Mean"),
+        Column("Largest"),
+    )
+    rows = tuple(
+        (name, of["unit"], _cell(of["min"]), _cell(of["mean"]), _cell(of["max"])) for name, of in summary["outcomes"].items()
+    )
+    show.tables(Table(f"{summary['rows']:,} rows", columns, rows))
+    failed = tuple((f"{one['rows']:,}", one["status"], one["why"] or "") for one in summary["failed"])
+    show.tables(
+        Table("Rows that failed", (Column("Rows"), Column("Status", numeric=False), Column("Why", numeric=False)), failed)
+    )
+    show.note(f'Kept in {folder}: ridedown query {folder} "SELECT * FROM results LIMIT 5"')
+
+
+def _how_to_go_on(file: Path, out: Path | None) -> str:
+    return f"To go on: ridedown study {file}{'' if out is None else f' --out {out}'} --resume"
+
+
+@contextmanager
+def _terminated_as_interrupted() -> Iterator[None]:
+    """Take a polite request to end, as batch systems send before they kill, for Ctrl-C."""
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+class _Shown:
+    """Progress on stderr: a bar on a terminal, else a line now and then."""
+
+    def __init__(self, rows: int) -> None:
+        self.rows = rows
+        self.began = self.said = time.monotonic()
+        self.bar: Any = None
+
+    def __enter__(self) -> Self:
+        if sys.stderr.isatty():
+            self.bar = show.rows_bar(self.rows)
+            self.bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.stop()
+
+    def __call__(self, progress: Progress) -> None:
+        words = self._words(progress)
+        if self.bar is not None:
+            self.bar.update(self.bar.task_ids[0], completed=progress.before + progress.done, description=words)
+        elif time.monotonic() - self.said >= _EVERY:
+            self.said = time.monotonic()
+            typer.echo(f"{progress.before + progress.done:,} of {self.rows:,} rows; {words}", err=True)
+
+    def _words(self, progress: Progress) -> str:
+        seconds = time.monotonic() - self.began
+        rate = progress.done / seconds if seconds > 0.0 else 0.0
+        left = progress.rows - progress.before - progress.done
+        ahead = f", {_spoken(left / rate)} left" if rate > 0.0 and left else ""
+        return f"{rate:,.0f} rows a second{ahead}, {progress.failed:,} failed"
+
+
+def _spoken(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02} min" if hours else f"{minutes} min {rest:02} s" if minutes else f"{rest} s"

@@ -1,0 +1,191 @@
+"""Where chunks are computed: threads of this machine, or a Dask cluster. Results do not depend on it.
+
+Chunks go out a few at a time and are written as they come back, so that memory does not grow with the study.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ridedown.errors import InvalidInput
+from ridedown.simulation import workers
+from ridedown.studies.effects import remarks_on
+from ridedown.studies.plan import Plan, plan_of
+from ridedown.studies.store import Store, encode
+from ridedown.studies.study import LoadedStudy, load_study
+
+Computed = tuple[int, bytes, int]
+"""Number of a chunk, its Parquet file, and how many of its rows failed."""
+
+_AHEAD = 2
+"""Chunks given out beyond one for each worker, so that none waits."""
+
+_AGAIN = 5
+"""Times that a chunk is given out anew, where the cluster loses its workers."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a study is: rows in all, done before this run, done now, and those of now that failed."""
+
+    rows: int
+    before: int
+    done: int
+    failed: int
+
+
+Report = Callable[[Progress], None]
+
+
+class Stopped(KeyboardInterrupt):
+    """The run was interrupted; `progress` says how far it came."""
+
+    def __init__(self, progress: Progress) -> None:
+        super().__init__("interrupted")
+        self.progress = progress
+
+
+def run_study(
+    source: str | os.PathLike[str] | LoadedStudy,
+    out: str | os.PathLike[str],
+    *,
+    resume: bool = False,
+    threads: int | None = None,
+    cluster: str | None = None,
+    report: Report | None = None,
+) -> Path:
+    """Run a study and keep its results in the folder `out`.
+
+    resume: go on with a study that was stopped; chunks that are there are not computed again. threads: as many as the machine
+    has cores if left out. cluster: the address of a Dask scheduler, to compute there. Results depend on neither. report: told
+    how far the study is, after each chunk.
+
+    Returns: the folder.
+
+    Raises: InvalidInput, UnknownName; Stopped where it was interrupted.
+    """
+    loaded = load_study(source)
+    plan = plan_of(loaded)
+    return run_plan(loaded, plan, Path(out), resume=resume, threads=threads, cluster=cluster, report=report)
+
+
+def run_plan(
+    loaded: LoadedStudy,
+    plan: Plan,
+    folder: Path,
+    *,
+    resume: bool = False,
+    threads: int | None = None,
+    cluster: str | None = None,
+    report: Report | None = None,
+) -> Path:
+    """Compute what is missing of a plan and keep it. See `run_study`."""
+    count = workers(threads)
+    with Store.opened(folder, loaded, plan, resume=resume) as store:
+        store.remark(partial(remarks_on, plan))
+        missing = store.missing()
+        before = plan.rows - sum(stop - start for start, stop in map(plan.span, missing))
+        progress = Progress(plan.rows, before, 0, 0)
+        computed = on_threads(plan, missing, count) if cluster is None else on_cluster(plan, missing, cluster)
+        try:
+            if report is not None:
+                report(progress)
+            for chunk, data, failed in computed:
+                store.write(chunk, data)
+                start, stop = plan.span(chunk)
+                progress = Progress(plan.rows, before, progress.done + stop - start, progress.failed + failed)
+                if report is not None:
+                    report(progress)
+        except KeyboardInterrupt:
+            raise Stopped(progress) from None
+        finally:
+            computed.close()
+    return folder
+
+
+def compute(plan: Plan, chunk: int) -> Computed:
+    """Compute one chunk."""
+    return (chunk, *encode(plan, chunk))
+
+
+def on_threads(plan: Plan, chunks: Iterable[int], threads: int) -> Generator[Computed]:
+    """The chunks, computed by this many threads, as they are done."""
+    waiting = iter(chunks)
+    pool = ThreadPoolExecutor(threads, thread_name_prefix="ridedown-study")
+    running: set[Future[Computed]] = set()
+    try:
+        while True:
+            for chunk in _some(waiting, threads + _AHEAD - len(running)):
+                running.add(pool.submit(compute, plan, chunk))
+            if not running:
+                return
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield future.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _some(waiting: Iterator[int], count: int) -> Iterator[int]:
+    for _ in range(count):
+        try:
+            yield next(waiting)
+        except StopIteration:
+            return
+
+
+def on_cluster(plan: Plan, chunks: Iterable[int], address: str) -> Generator[Computed]:
+    """The chunks, computed by the workers of a Dask scheduler, as they are done.
+
+    A worker that is lost costs the chunks it had; they are given to others.
+
+    Raises: InvalidInput where `distributed` is not installed, no scheduler answers, or a chunk loses worker after worker.
+    """
+    try:
+        from dask.distributed import Client, KilledWorker, as_completed  # noqa: PLC0415  an optional extra
+    except ImportError:
+        raise InvalidInput(
+            "--cluster: got no dask.distributed installed; need it. Install it with `pip install 'ridedown[cluster]'`."
+        ) from None
+    try:
+        client = Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InvalidInput(
+            f'--cluster: got "{address}", where no Dask scheduler answers ({error}); need an address such as '
+            '"tcp://host:8786". Start one with `dask scheduler`.'
+        ) from None
+    with client:
+        waiting = iter(chunks)
+        running = as_completed()
+
+        def give(chunk: int, again: int = 0) -> None:
+            # a key of its own each time: Dask would answer a key that it knows with what it has
+            key = f"ridedown-{plan.hash[:12]}-{chunk}-{os.getpid()}-{again}"
+            future = client.submit(compute, plan, chunk, key=key)
+            told[future.key] = chunk, again
+            running.add(future)
+
+        told: dict[Any, tuple[int, int]] = {}
+        for chunk in _some(waiting, _AHEAD + 2 * sum(client.nthreads().values())):
+            give(chunk)
+        for future in running:
+            chunk, again = told.pop(future.key)
+            try:
+                computed: Computed = future.result()
+            except KilledWorker:
+                if again == _AGAIN:
+                    raise InvalidInput(
+                        f"--cluster: got chunk {chunk} lost with its workers, again and again; need workers that live. "
+                        "Give each more memory; go on with --resume."
+                    ) from None
+                give(chunk, again + 1)
+                continue
+            yield computed
+            for another in _some(waiting, 1):
+                give(another)

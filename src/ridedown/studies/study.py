@@ -1,0 +1,194 @@
+"""The study file: which scenarios, what varies in them, which outcomes, and what kind of study it is."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from ridedown.errors import InvalidInput
+from ridedown.scenario import Scenario, load, lower
+from ridedown.scenario.base import Check, Model, Name
+from ridedown.scenario.quantities import Duration, Factor
+from ridedown.scenario.reading import SUFFIXES, anchored, table_in
+from ridedown.studies.parameters import StudyParameter
+
+_NEED = "need a study, with fields such as kind, scenario and [[parameters]]. docs/studies.md has examples."
+
+Kind = Literal["sweep", "sample", "sensitivity", "optimise", "bound"]
+
+
+class Case(Model):
+    """One of several scenarios of a study: results put its name before its outcomes, as in `full.adult.acceleration.peak`."""
+
+    name: Name = Field(description="how results call it")
+    scenario: str | dict[str, Any] = Field(description="a catalogue name, a file, or a scenario written out")
+    weight: Factor = 1.0
+    """Its share in `weighted.<outcome>`, over the sum of all weights."""
+
+
+class Limit(Model):
+    """The most, or the least, that an outcome may come to. Of a `.peak` the magnitude counts, whichever way it points."""
+
+    outcome: str = Field(description="name of an outcome")
+    most: float | str | None = Field(None, description="largest value allowed, bare SI or with a unit")
+    least: float | str | None = Field(None, description="smallest value allowed")
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        given = self.most is not None or self.least is not None
+        yield Check("most", given, "nothing", "the largest value allowed, or `least`")
+
+
+class Study(Model):
+    """A study, as its file has it. Scenarios are read where the study is read, by `load_study`.
+
+    outcomes: names as `simulate_many` has them and criteria (see `ridedown.studies.outcomes`), for every scenario that has
+    them, or with a scenario's name before for that one; the usual ones if left out. step: between the samples that criteria
+    are computed from.
+    """
+
+    kind: Kind = Field(description="what kind of study it is")
+    name: str = ""
+    description: str = ""
+    scenario: str | dict[str, Any] | None = Field(None, description="a catalogue name, a file, or a scenario written out")
+    scenarios: tuple[Case, ...] = Field((), description="several scenarios, each with a name")
+    parameters: tuple[StudyParameter, ...] = Field((), description="what varies")
+    outcomes: tuple[str, ...] = ()
+    limits: tuple[Limit, ...] = ()
+    step: Duration = Field(1e-4, description="time between the samples that criteria are computed from")
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        both = self.scenario is not None and bool(self.scenarios)
+        yield Check("scenario", not both, "both scenario and scenarios", "one of them", "Put all into [[scenarios]].")
+        given = self.scenario is not None or bool(self.scenarios)
+        yield Check("scenario", given, "nothing", "a catalogue name, a file, or a table [scenario]")
+        names = [case.name for case in self.scenarios]
+        for i, name in enumerate(names):
+            own = name not in names[:i] and name != "weighted"
+            yield Check(f"scenarios.{i}.name", own, f'"{name}"', "a name of its own", "Rename it.")
+        yield Check("parameters", bool(self.parameters), "none", "one table [[parameters]] or more", "Say what varies.")
+        if self.kind == "sweep":
+            for i, parameter in enumerate(self.parameters):
+                listed = parameter.values is not None or parameter.grid is not None
+                where = f"parameters.{i}.values"
+                yield Check(
+                    where, listed, "no list of values", "values or a grid in a sweep", 'For others use kind = "sample".'
+                )
+        once = len(set(self.outcomes)) == len(self.outcomes)
+        yield Check("outcomes", once, "an outcome twice", "each once", "Take one out.")
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedStudy:
+    """A study with its scenarios read; `scenarios` by name, "" where there is only one. All that its results depend on.
+
+    text: the file as it was read, to be kept with the results; empty for a study that was no file.
+    """
+
+    study: Study
+    scenarios: Mapping[str, Scenario]
+    weights: Mapping[str, float]
+    text: str = ""
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """Plain data that two studies share only if their results do."""
+        scenarios = {
+            # of a measured pulse the scenario has the file's name only; what is in it shows in the network
+            name: {**json.loads(scenario.model_dump_json()), "network": _digest(lower(scenario)).hexdigest()}
+            for name, scenario in self.scenarios.items()
+        }
+        own = self.study.model_dump(mode="json", exclude={"name", "description", "scenario", "scenarios"})
+        return {**own, "scenarios": scenarios, "weights": dict(self.weights)}
+
+    @property
+    def hash(self) -> str:
+        """Of the identity, 64 hexadecimal digits."""
+        return hash_of(self.identity)
+
+
+def _digest(value: Any) -> Any:
+    """SHA-256 of plain data with arrays in it."""
+    digest = hashlib.sha256()
+    if dataclasses.is_dataclass(value):
+        for field in dataclasses.fields(value):
+            digest.update(field.name.encode() + _digest(getattr(value, field.name)).digest())
+    elif isinstance(value, np.ndarray):
+        digest.update(f"{value.dtype}{value.shape}".encode() + np.ascontiguousarray(value).tobytes())
+    elif isinstance(value, list | tuple):
+        for item in value:
+            digest.update(_digest(item).digest())
+    else:
+        digest.update(repr(value).encode())
+    return digest
+
+
+def hash_of(identity: Mapping[str, Any]) -> str:
+    """SHA-256 of plain data, the keys in order."""
+    return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
+
+
+def load_study(source: str | os.PathLike[str] | Mapping[str, Any] | Study | LoadedStudy) -> LoadedStudy:
+    """The study of a TOML or YAML file, or of a mapping of the same shape, with its scenarios.
+
+    A scenario is a name of the catalogue, a file relative to the study's own folder, or written out in the study.
+
+    >>> varied = {"path": "adult.restraint.stiffness", "values": ["60 kN/m", "98.1 kN/m"]}
+    >>> load_study({"kind": "sweep", "scenario": "p1", "parameters": [varied]}).scenarios[""].name
+    'p1'
+
+    Raises: InvalidInput for anything wrong in the file, naming the field; UnknownName for a scenario that there is not.
+    """
+    if isinstance(source, LoadedStudy):
+        return source
+    text, folder = "", Path()
+    if isinstance(source, Study):
+        study = source
+    elif isinstance(source, Mapping):
+        study = Study.model_validate(dict(source))
+    else:
+        path = Path(source)
+        text = _text(path)
+        study, folder = Study.model_validate(table_in(path, text, _NEED)), path.parent
+    cases = study.scenarios or (Case(name="only", scenario=study.scenario or {}),)
+    scenarios: dict[str, Scenario] = {}
+    for i, case in enumerate(cases):
+        where = f"scenarios.{i}.scenario" if study.scenarios else "scenario"
+        scenarios[case.name if study.scenarios else ""] = _scenario(where, case.scenario, folder)
+    weights = {name: case.weight for name, case in zip(scenarios, cases, strict=True)}
+    return LoadedStudy(study=study, scenarios=scenarios, weights=weights, text=text)
+
+
+def _text(path: Path) -> str:
+    if path.suffix.lower() not in SUFFIXES:
+        raise InvalidInput(f'study: got "{path}"; need a study file, *.toml or *.yaml. Check the path.')
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InvalidInput(f"{path}: got no UTF-8; need UTF-8 text. Save it as UTF-8.") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InvalidInput(f"{path}: got a file that cannot be read ({reason}); need a study file. Check the path.") from None
+
+
+def _scenario(where: str, given: str | dict[str, Any], folder: Path) -> Scenario:
+    try:
+        if isinstance(given, dict):
+            return load(anchored(given, folder))
+        beside = folder / given
+        return load(beside if beside.is_file() else given)
+    except InvalidInput as error:
+        text = str(error)
+        # a file says where it is itself; a scenario written out is a part of the study
+        inline = isinstance(given, dict)
+        raise InvalidInput(f"{where}.{text}" if inline else f"{where}: {text}") from None
