@@ -21,7 +21,7 @@ from ridedown.errors import InvalidInput
 from ridedown.report.tables import Column, Table
 from ridedown.studies.execution import Progress, Stopped, run_plan
 from ridedown.studies.plan import plan_of
-from ridedown.studies.query import query as rows_for
+from ridedown.studies.sql import query as rows_for
 from ridedown.studies.study import LoadedStudy, load_study
 from ridedown.studies.summary import summary_of
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ridedown.studies.execution import run_study
     from ridedown.studies.fit import calibrate
     from ridedown.studies.fitted import Calibrated
-    from ridedown.studies.query import query
+    from ridedown.studies.sql import query
     from ridedown.studies.study import Study, load_study
 
 __all__ = ["Calibrated", "Calibration", "Study", "calibrate", "load_calibration", "load_study", "query", "run_study"]
@@ -27,7 +27,7 @@ _HOME = {
     "calibrate": "fit",
     "load_calibration": "calibration",
     "load_study": "study",
-    "query": "query",
+    "query": "sql",
     "run_study": "execution",
 }
 

@@ -26,6 +26,9 @@ Computed = tuple[int, bytes, int]
 _AHEAD = 2
 """Chunks given out beyond one for each worker, so that none waits."""
 
+_PATIENCE = 10
+"""s to wait for a scheduler to answer."""
+
 _AGAIN = 5
 """Times that a chunk is given out anew, where the cluster loses its workers."""
 
@@ -154,7 +157,7 @@ def on_cluster(plan: Plan, chunks: Iterable[int], address: str) -> Generator[Com
             "--cluster: got no dask.distributed installed; need it. Install it with `pip install 'ridedown[cluster]'`."
         ) from None
     try:
-        client = Client(address, timeout=10, set_as_default=False)
+        client = Client(address, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise InvalidInput(
             f'--cluster: got "{address}", where no Dask scheduler answers ({error}); need an address such as '
@@ -162,7 +165,7 @@ def on_cluster(plan: Plan, chunks: Iterable[int], address: str) -> Generator[Com
         ) from None
     with client:
         waiting = iter(chunks)
-        running = as_completed()
+        running = as_completed(loop=client.loop)
 
         def give(chunk: int, again: int = 0) -> None:
             # a key of its own each time: Dask would answer a key that it knows with what it has

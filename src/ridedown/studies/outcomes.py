@@ -107,7 +107,7 @@ def known_criteria(network: Network) -> dict[str, str]:
     every = channels(network)
     found: dict[str, str] = {}
     for i, body in enumerate(network.coordinates):
-        if f"{body}.acceleration" not in every:
+        if f"{body}.acceleration" not in every or body == "bar":  # which is neither ridden nor ridden in
             continue
         vehicle = bool(network.parent[i] < 0)
         found |= {f"{body}.{key}": one.unit for key, one in CRITERIA.items() if vehicle or not one.of_vehicle}

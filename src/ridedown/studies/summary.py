@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ridedown.studies.query import connect
+from ridedown.studies.sql import connect
 from ridedown.studies.store import read_manifest
 
 
