@@ -1,4 +1,4 @@
-"""Every TOML block in the documentation is a scenario or a calibration that loads."""
+"""Every TOML block in the documentation is a scenario, a calibration or a study that loads."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from ridedown.scenario import dump, load
-from ridedown.studies import load_calibration
+from ridedown.studies import load_calibration, load_study
+from ridedown.studies.plan import plan_of
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = [
@@ -27,6 +28,9 @@ def test_there_are_examples():
 def test_example_loads_and_comes_back(block):
     if "[[cases]]" in block:
         assert load_calibration(tomllib.loads(block))[0].parameters
+        return
+    if "[[parameters]]" in block:
+        assert plan_of(load_study(tomllib.loads(block))).rows
         return
     scenario = load(tomllib.loads(block))
     assert load(tomllib.loads(dump(scenario))) == scenario

@@ -40,9 +40,11 @@ def contents(folder):
     return {path.name: path.read_bytes() for path in (Path(folder) / "chunks").iterdir()}
 
 
-if __name__ == "__main__":  # run slowly, for a test to kill it
-    run(
-        sys.argv[1],
-        resume=sys.argv[2:] == ["resume"],
-        report=lambda progress: (print(progress.done, flush=True), time.sleep(0.05)),
-    )
+def slowly(progress):
+    """Say how far it is, and let a test catch up."""
+    print(progress.done, flush=True)
+    time.sleep(0.05)
+
+
+if __name__ == "__main__":  # for a test to kill
+    run(sys.argv[1], resume=sys.argv[2:] == ["resume"], report=slowly)

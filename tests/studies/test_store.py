@@ -14,8 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from ridedown.errors import InvalidInput
-from ridedown.studies import store
-from ridedown.studies.execution import Stopped
+from ridedown.studies.execution import Progress, Stopped
 from ridedown.studies.sql import query
 from ridedown.studies.store import Store, read_manifest
 from tests.studies.small import SWEEP, contents, run, small
@@ -70,7 +69,7 @@ def test_killed_at_any_moment_and_resumed_it_is_the_same_bit_for_bit(whole, tmp_
         for name in done:
             if name.endswith(".parquet") and not name.startswith("."):
                 assert done[name] == contents(whole)[name]
-    seen = []
+    seen: list[Progress] = []
     run(folder, resume=True, report=seen.append)
     assert contents(folder) == contents(whole)
     assert seen[0].before >= 16 * 5  # the chunks that were there were not computed again
@@ -96,7 +95,7 @@ def test_a_file_that_is_cut_short_or_another_studys_counts_as_missing(whole, tmp
     second.write_bytes(b"")
     third.write_bytes((folder / "chunks" / "chunk-00000004.parquet").read_bytes())
     (folder / "chunks" / ".chunk-00000005.parquet.partial").write_bytes(b"half")
-    seen = []
+    seen: list[Progress] = []
     run(folder, resume=True, report=seen.append)
     assert seen[-1].done == 48
     assert contents(folder) == contents(whole)
@@ -114,7 +113,7 @@ def test_a_full_disk_loses_nothing_written(whole, tmp_path, monkeypatch, code):
         real(descriptor)
 
     with monkeypatch.context() as patched:
-        patched.setattr(store.os, "fsync", full)
+        patched.setattr(os, "fsync", full)
         with pytest.raises(InvalidInput, match=r"full disk.*--resume"):
             run(tmp_path / "out")
     there = contents(tmp_path / "out")

@@ -45,7 +45,7 @@ def is_network(data: Mapping[str, Any]) -> bool:
 
 def read(path: Path) -> dict[str, Any]:
     """The bare mapping in a TOML or YAML file of a scenario. Raises: InvalidInput."""
-    data = table_in(path, _text(path), f"need a scenario, with fields such as vehicle1. {_EXAMPLE}")
+    data = table_in(path, _text(path), f"need a table of fields such as vehicle1. {_EXAMPLE}")
     return anchored(data, path.parent)
 
 

@@ -6,7 +6,7 @@ Chunks go out a few at a time and are written as they come back, so that memory 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +18,7 @@ from ridedown.simulation import workers
 from ridedown.studies.effects import remarks_on
 from ridedown.studies.plan import Plan, plan_of
 from ridedown.studies.store import Store, encode
-from ridedown.studies.study import LoadedStudy, load_study
+from ridedown.studies.study import LoadedStudy, Study, load_study
 
 Computed = tuple[int, bytes, int]
 """Number of a chunk, its Parquet file, and how many of its rows failed."""
@@ -55,7 +55,7 @@ class Stopped(KeyboardInterrupt):
 
 
 def run_study(
-    source: str | os.PathLike[str] | LoadedStudy,
+    source: str | os.PathLike[str] | Mapping[str, Any] | Study | LoadedStudy,
     out: str | os.PathLike[str],
     *,
     resume: bool = False,
@@ -63,7 +63,7 @@ def run_study(
     cluster: str | None = None,
     report: Report | None = None,
 ) -> Path:
-    """Run a study and keep its results in the folder `out`.
+    """Run a study, of a file or a mapping of the same shape, and keep its results in the folder `out`.
 
     resume: go on with a study that was stopped; chunks that are there are not computed again. threads: as many as the machine
     has cores if left out. cluster: the address of a Dask scheduler, to compute there. Results depend on neither. report: told

@@ -21,7 +21,7 @@ from ridedown.scenario.quantities import Duration, Factor
 from ridedown.scenario.reading import SUFFIXES, anchored, table_in
 from ridedown.studies.parameters import StudyParameter
 
-_NEED = "need a study, with fields such as kind, scenario and [[parameters]]. docs/studies.md has examples."
+_NEED = "need a table of fields such as kind, scenario and [[parameters]]. docs/studies.md has examples."
 
 Kind = Literal["sweep", "sample", "sensitivity", "optimise", "bound"]
 
