@@ -382,11 +382,11 @@ def _compile_if_cold() -> None:
     if missing and can_be_kept(missing[0]):
         from ridedown.apps.first_run import compile_side_by_side
 
-        typer.echo("compiling the solver, once; ten to twenty seconds", err=True)
+        typer.echo("compiling the solver, once; ten to thirty seconds", err=True)
         compile_side_by_side(missing)
     elif missing:
-        where = "RIDEDOWN_CACHE_DIR, a folder to keep it in, cannot be written or is not set"
-        typer.echo(f"compiling the solver, some twenty seconds each time: {where}", err=True)
+        why = "the folder to keep it in cannot be written (RIDEDOWN_CACHE_DIR names another)"
+        typer.echo(f"compiling the solver, up to half a minute each time: {why}", err=True)
 
 
 def _refuse(sentence: str) -> None:
