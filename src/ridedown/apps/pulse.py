@@ -8,7 +8,8 @@ from pathlib import Path
 from ridedown.apps import show
 from ridedown.apps.measured import checked, output
 from ridedown.errors import InvalidInput
-from ridedown.report.pulse import about, measure, motion_of, pulse_table, write_pulse
+from ridedown.motion import motion_of
+from ridedown.report.pulse import about, measure, pulse_table, write_pulse
 from ridedown.response import Response
 from ridedown.scenario import Scenario, SledScenario, load
 

@@ -10,12 +10,9 @@ from typing import Any
 import numpy as np
 
 from ridedown import criteria
-from ridedown.errors import InvalidInput, UnknownName
-from ridedown.network import channels
+from ridedown.errors import InvalidInput
 from ridedown.report.tables import Column, Table, number
-from ridedown.response import Response
 from ridedown.scenario import Scenario, SledScenario
-from ridedown.scenario.lowering import pulse_of
 from ridedown.scenario.pulse_measured import MeasuredPulse
 from ridedown.scenario.pulse_motion import PulseMotion
 from ridedown.signals import TestRecord, TimeHistory, write
@@ -57,25 +54,6 @@ class PulseMeasures:
     def as_json(self) -> dict[str, Any]:
         """Plain data for JSON, SI."""
         return {name: getattr(self, name) for name in self.__slots__}
-
-
-def motion_of(source: Response | SledScenario, vehicle: str) -> PulseMotion:
-    """The motion of a vehicle, or of a mass in a network, in a response; a sled's needs no solving for.
-
-    Raises: UnknownName for a body that is not there.
-    """
-    if isinstance(source, SledScenario):
-        if vehicle != "vehicle1":
-            raise UnknownName.among("vehicle", vehicle, ["vehicle1"])
-        speed = float(np.ravel(source.initial_speed)[0])
-        return PulseMotion.of(pulse_of(source), end=float(source.duration), speed=speed)
-    bodies = [c for c, turns in zip(source.network.coordinates, source.network.is_rotation, strict=True) if not turns]
-    if vehicle not in bodies:
-        raise UnknownName.among("vehicle", vehicle, bodies)
-    phases = source.phases
-    series = phases.series(channels(source.network)[f"{vehicle}.acceleration"])
-    kept = phases.length > 0.0
-    return PulseMotion(phases.start[kept], series[kept], phases.end, float(source.at(f"{vehicle}.velocity", 0.0)))
 
 
 def measure(motion: PulseMotion) -> PulseMeasures:

@@ -6,7 +6,8 @@ from typing import Any
 
 from ridedown.events import Event
 from ridedown.limits import CrashCriteria, OccupantCriteria, criteria_of, evidence
-from ridedown.report.pulse import about, measure, motion_of, pulse_table
+from ridedown.motion import motion_of
+from ridedown.report.pulse import about, measure, pulse_table
 from ridedown.report.tables import NONE, Column, Table, number
 from ridedown.response import MassResult, Response, VehicleResult
 from ridedown.scenario import SledScenario
