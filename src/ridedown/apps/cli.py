@@ -261,7 +261,7 @@ def extract(
 
 @app.command()
 def study(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A study: TOML or YAML.")],
+    file: Annotated[str, typer.Argument(metavar="FILE-OR-NAME", help="A study: TOML or YAML, or a catalogue name.")],
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Where results are kept; FILE-results if left out.")
     ] = None,
@@ -335,17 +335,18 @@ def paper(
 def catalogue(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help="Print this scenario and its sources.")] = None,
 ) -> None:
-    """List the published scenarios, or print one."""
+    """List the published scenarios and studies, or print one."""
     with _plain_errors():
         if name is None:
             from ridedown.apps import show
 
             show.catalogue_list()
         else:
-            from ridedown.catalogue import entry
+            from ridedown.catalogue import entry, studies
             from ridedown.scenario import dump, load
 
-            typer.echo(dump(load(entry(name).data)), nl=False)
+            kept = studies().get(name)
+            typer.echo(dump(load(entry(name).data)) if kept is None else kept.read_text(encoding="utf-8"), nl=False)
 
 
 @app.command()

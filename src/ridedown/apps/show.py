@@ -19,6 +19,7 @@ from ridedown.report import criteria_tables, summary
 from ridedown.report.jsontext import json_text
 from ridedown.report.tables import Column, Table
 from ridedown.response import Response
+from ridedown.studies.study import load_study
 
 if TYPE_CHECKING:
     from ridedown.report.criteria import CriteriaReport
@@ -75,7 +76,9 @@ def catalogue_list() -> None:
     columns = (Column("Name", numeric=False), Column("Confidence", numeric=False), Column("What", numeric=False))
     rows = tuple((entry.name, entry.confidence, entry.description) for entry in entries)
     tables(Table(f"{len(rows)} published scenarios and examples", columns, rows))
-    note("ridedown catalogue NAME prints one; ridedown run NAME simulates it.")
+    studies = tuple((name, load_study(name).study.description) for name in catalogue.studies())
+    tables(Table(f"{len(studies)} studies", (Column("Name", numeric=False), Column("What", numeric=False)), studies))
+    note("ridedown catalogue NAME prints one; ridedown run NAME simulates a scenario, ridedown study NAME runs a study.")
 
 
 def as_json(value: Any) -> None:

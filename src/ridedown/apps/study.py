@@ -33,7 +33,7 @@ _SHOWN = 1000
 
 
 def study(
-    file: Path,
+    file: str,
     out: Path | None,
     *,
     resume: bool,
@@ -45,7 +45,7 @@ def study(
     """Run a study and print what it comes to; whether it came to its end. Raises: InvalidInput, UnknownName."""
     loaded = load_study(file)
     plan = plan_of(loaded)
-    folder = Path(f"{file.stem}-results") if out is None else out
+    folder = Path(f"{Path(file).stem}-results") if out is None else out
     compile_if_cold()
     try:
         with _terminated_as_interrupted(), _Shown(plan.rows) as shown:
@@ -116,6 +116,10 @@ def _show(loaded: LoadedStudy, summary: dict[str, Any], folder: Path) -> None:
         (name, of["unit"], _cell(of["min"]), _cell(of["mean"]), _cell(of["max"])) for name, of in summary["outcomes"].items()
     )
     show.tables(Table(f"{summary['rows']:,} rows", columns, rows))
+    if summary["results"] is not None:
+        _show_results(summary["results"])
+        if "method" in summary["results"]:
+            _show_sensitivity(summary["results"])
     failed = tuple((f"{one['rows']:,}", one["status"], one["why"] or "") for one in summary["failed"])
     show.tables(
         Table("Rows that failed", (Column("Rows"), Column("Status", numeric=False), Column("Why", numeric=False)), failed)
@@ -123,7 +127,40 @@ def _show(loaded: LoadedStudy, summary: dict[str, Any], folder: Path) -> None:
     show.note(f'Kept in {folder}: ridedown query {folder} "SELECT * FROM results LIMIT 5"')
 
 
-def _how_to_go_on(file: Path, out: Path | None) -> str:
+def _show_results(results: dict[str, Any]) -> None:
+    """Print how often, or how likely, limits are exceeded, and the quantiles of a sample."""
+    titles = ("Limit", "Exceeded", "Of rows", "Probability", "From", "To")
+    rows = []
+    for limit in results["limits"]:
+        of = limit.get("probability", {"value": None, "low": None, "high": None})
+        counts = (f"{limit['exceeded']:,}", f"{limit['rows']:,}")
+        rows.append((limit["rule"], *counts, *(_cell(of[end]) for end in ("value", "low", "high"))))
+    drawn = results["kind"] == "sample"
+    columns = tuple(Column(title, numeric=title != "Limit") for title in (titles if drawn else titles[:3]))
+    show.tables(Table("Limits", columns, tuple(tuple(row[: len(columns)]) for row in rows)))
+    if drawn:
+        shares = [one["share"] for one in next(iter(results["outcomes"].values()))["quantiles"]]
+        heads = (Column("Quantiles", numeric=False), *(Column(f"{100 * share:g} %") for share in shares))
+        cells = tuple((name, *(_cell(one["value"]) for one in of["quantiles"])) for name, of in results["outcomes"].items())
+        show.tables(Table(f"Of {results['design']} rows, seed {results['seed']}", heads, cells))
+
+
+def _show_sensitivity(results: dict[str, Any]) -> None:
+    """Print the indices of each outcome, or the effects on it."""
+    sobol = results["method"] == "sobol"
+    one, other = ("first", "total") if sobol else ("mean_size", "deviation")
+    heads = ("First", "From", "To", "Total", "From", "To") if sobol else ("Mean size", "From", "To", "Deviation")
+    for name, of in results["outcomes"].items():
+        rows = []
+        for index in of["indices" if sobol else "effects"]:
+            parts = [index[one], *([index[other]] if sobol else [])]
+            cells = [_cell(part[end]) for part in parts for end in ("value", "low", "high")]
+            rows.append((index["parameter"], *cells, *([] if sobol else [_cell(index[other])])))
+        columns = (Column("Parameter", numeric=False), *(Column(head) for head in heads))
+        show.tables(Table(f"{'Sobol indices' if sobol else 'Elementary effects'} of {name}", columns, tuple(rows)))
+
+
+def _how_to_go_on(file: str, out: Path | None) -> str:
     return f"To go on: ridedown study {file}{'' if out is None else f' --out {out}'} --resume"
 
 

@@ -62,6 +62,15 @@ def entry(name: str) -> Entry:
     return entries[name]
 
 
+def studies() -> dict[str, Path]:
+    """The study files that come with ridedown, by name.
+
+    >>> sorted(studies())
+    ['compatibility', 'paper-damping', 'paper-stiffness']
+    """
+    return {path.stem: path for path in sorted((Path(__file__).parent / "studies").glob("*.toml"))}
+
+
 @cache
 def _entries() -> dict[str, Entry]:
     entries: dict[str, Entry] = {}

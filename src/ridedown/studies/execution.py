@@ -17,6 +17,7 @@ from ridedown.errors import InvalidInput
 from ridedown.simulation import workers
 from ridedown.studies.effects import remarks_on
 from ridedown.studies.plan import Plan, plan_of
+from ridedown.studies.results import limits_of, results_of
 from ridedown.studies.store import Store, encode
 from ridedown.studies.study import LoadedStudy, Study, load_study
 
@@ -90,6 +91,7 @@ def run_plan(
 ) -> Path:
     """Compute what is missing of a plan and keep it. See `run_study`."""
     count = workers(threads)
+    limits_of(loaded.study, plan.function.units)  # what is wrong with them is said before the first crash
     with Store.opened(folder, loaded, plan, resume=resume) as store:
         store.remark(partial(remarks_on, plan))
         missing = store.missing()
@@ -109,6 +111,7 @@ def run_plan(
             raise Stopped(progress) from None
         finally:
             computed.close()
+        store.finish(results_of(loaded, plan, folder))
     return folder
 
 
@@ -170,7 +173,7 @@ def on_cluster(plan: Plan, chunks: Iterable[int], address: str) -> Generator[Com
         def give(chunk: int, again: int = 0) -> None:
             # a key of its own each time: Dask would answer a key that it knows with what it has
             key = f"ridedown-{plan.hash[:12]}-{chunk}-{os.getpid()}-{again}"
-            future = client.submit(compute, plan, chunk, key=key)
+            future = client.submit(compute, plan.part(chunk), chunk, key=key)
             told[future.key] = chunk, again
             running.add(future)
 

@@ -1,4 +1,4 @@
-"""What varies in a study: a number of the scenario, or several that move together, over values, a grid or a range."""
+"""What varies in a study: a number of the scenario, or several that move together; over values, or as it is distributed."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import Scenario, quantities
 from ridedown.scenario.base import Check, Model
 from ridedown.scenario.quantities import Quantity, Refused
+from ridedown.studies.distributions import AnyDistribution, Discrete, Distribution, Uniform
 
 Floats = NDArray[np.float64]
 
 Raw = float | str
 """A bare number in SI, or text with a unit: which units it may have is known once its path is."""
 
-WAYS = ("values", "grid", "range")
+WAYS = ("values", "grid", "range", "distribution")
 """The ways to say how a parameter varies."""
 
 
@@ -52,7 +53,8 @@ class StudyParameter(Model):
     paths: tuple[str, ...] | None = Field(None, description="several numbers that take the same value")
     values: tuple[Raw, ...] | None = Field(None, description="the values, one by one")
     grid: Grid | None = Field(None, description="evenly spaced values")
-    range: tuple[Raw, Raw] | None = Field(None, description="least and largest value")
+    range: tuple[Raw, Raw] | None = Field(None, description="least and largest value, all between alike")
+    distribution: AnyDistribution | None = Field(None, description="how it is distributed")
 
     def complete(self) -> None:
         """Name it after its path."""
@@ -81,24 +83,15 @@ class StudyParameter(Model):
 class Varied:
     """A parameter read against its scenarios: SI, and where it goes in each.
 
-    targets: scenario's name to the paths there. levels: the values of a sweep, (n,), or None. bounds: of a range, or None.
+    targets: scenario's name to the paths there. levels: the values listed, (n,), or None. distribution: of the values; those
+    listed are all as likely.
     """
 
     name: str
     unit: str
     targets: Mapping[str, tuple[str, ...]]
     levels: Floats | None
-    bounds: tuple[float, float] | None
-
-    def ppf(self, u: Floats) -> Floats:
-        """Values at shares u of all: of levels alike, or evenly within the range."""
-        if self.levels is not None:
-            place = np.minimum((u * self.levels.size).astype(np.int64), self.levels.size - 1)
-            chosen: Floats = self.levels[place]
-            return chosen
-        assert self.bounds is not None
-        low, high = self.bounds
-        return low + (high - low) * u
+    distribution: Distribution
 
 
 def resolve(given: tuple[StudyParameter, ...], scenarios: Mapping[str, Scenario]) -> tuple[Varied, ...]:
@@ -138,7 +131,7 @@ def _resolved(where: str, parameter: StudyParameter, known: Mapping[str, Mapping
             f"{where}.paths: got {found[0].dimension.called} and {odd.dimension.called}; need numbers of one kind. "
             "Make two parameters of them."
         )
-    levels, bounds = None, None
+    levels: Floats | None = None
     if parameter.values is not None:
         levels = np.array([_value(f"{where}.values.{i}", value, found) for i, value in enumerate(parameter.values)])
     elif parameter.grid is not None:
@@ -147,9 +140,15 @@ def _resolved(where: str, parameter: StudyParameter, known: Mapping[str, Mapping
         low, high = (_value(f"{where}.range.{i}", value, found) for i, value in enumerate(parameter.range))
         if not low < high:
             raise InvalidInput(f"{where}.range: got {low:g} and {high:g}; need the least value, then a larger one. Turn them.")
-        bounds = low, high
+        distribution: Distribution = Uniform(lower=low, upper=high)
+    elif parameter.distribution is not None:
+        distribution = parameter.distribution
+        for quantity in found:
+            distribution.check_against(quantity, f"{where}.distribution")
+    if levels is not None:
+        distribution = Discrete(values=tuple(float(level) for level in np.unique(levels)))
     own = {scenario: tuple(dict.fromkeys(paths)) for scenario, paths in targets.items()}
-    return Varied(parameter.name, found[0].unit, own, levels, bounds)
+    return Varied(parameter.name, found[0].unit, own, levels, distribution)
 
 
 def _places(path: str, known: Mapping[str, Mapping[str, Quantity]]) -> list[tuple[str, str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -12,8 +12,12 @@ from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
 from ridedown.studies.crashes import Evaluator, Rows
+from ridedown.studies.designs import Design as Points
+from ridedown.studies.designs import Variables
 from ridedown.studies.parameters import Varied, resolve
-from ridedown.studies.study import LoadedStudy
+from ridedown.studies.reliability import plan_of as points_of
+from ridedown.studies.sensitive import asked_rows
+from ridedown.studies.study import LoadedStudy, Study
 
 Floats = NDArray[np.float64]
 
@@ -77,6 +81,37 @@ class FullGrid:
 
 
 @dataclass(frozen=True, eq=False)
+class Drawn:
+    """Rows drawn from the parameters' distributions. groups: of how many independent parts of equal size they are made."""
+
+    variables: Variables
+    points: Points
+    rows: int
+    groups: int
+
+    def columns(self, start: int, stop: int) -> dict[str, Floats]:
+        """The parameters of the rows from `start` up to `stop`."""
+        return self.variables.columns(self.points.rows(start, stop))
+
+
+@dataclass(frozen=True, eq=False)
+class Listed:
+    """Rows written out: columns by name, (R,) each, the first of them the row of number `first`."""
+
+    listed: Mapping[str, Floats]
+    first: int = 0
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+        return self.first + next(iter(self.listed.values())).size
+
+    def columns(self, start: int, stop: int) -> dict[str, Floats]:
+        """The parameters of the rows from `start` up to `stop`."""
+        return {name: column[start - self.first : stop - self.first] for name, column in self.listed.items()}
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """All that is needed to compute any chunk of a study. Data only, so that it can be sent to other machines."""
 
@@ -102,6 +137,13 @@ class Plan:
         start = chunk * self.chunk_rows
         return start, min(start + self.chunk_rows, self.rows)
 
+    def part(self, chunk: int) -> Plan:
+        """The plan with no more than a chunk needs, to be sent elsewhere."""
+        if not isinstance(self.design, Listed):
+            return self
+        start, stop = self.span(chunk)
+        return replace(self, design=Listed(self.design.columns(start, stop), start))
+
 
 def plan_of(loaded: LoadedStudy) -> Plan:
     """The plan of a study that goes through rows fixed beforehand.
@@ -109,12 +151,36 @@ def plan_of(loaded: LoadedStudy) -> Plan:
     Raises: InvalidInput, UnknownName for what does not fit the scenarios.
     """
     study = loaded.study
-    if study.kind != "sweep":
-        raise InvalidInput(f'kind: got "{study.kind}"; need "sweep". The others are not run by this command.')
     parameters = resolve(study.parameters, loaded.scenarios)
     function = Evaluator.of(loaded.scenarios, parameters, study.outcomes, weights=loaded.weights, step=study.step)
-    design = FullGrid(parameters)
+    design = _design(study, parameters)
     if design.rows > MOST_ROWS:
-        raise InvalidInput(f"parameters: got a grid of {design.rows:.3g} rows; need at most {MOST_ROWS:g}. Take fewer values.")
+        raise InvalidInput(f"parameters: got {design.rows:.3g} rows; need at most {MOST_ROWS:g}. Take fewer values.")
     chunk_rows = CHUNK if design.rows <= MANY_ROWS else LARGE_CHUNK
     return Plan(loaded.hash, {one.name: one.unit for one in parameters}, design, function, chunk_rows)
+
+
+def variables_of(study: Study, parameters: tuple[Varied, ...]) -> Variables:
+    """The parameters' distributions and correlations. Raises: InvalidInput, UnknownName."""
+    pairs: dict[tuple[str, str], float] = {}
+    for i, correlation in enumerate(study.correlations):
+        if correlation.between in pairs:
+            raise InvalidInput(f"correlations.{i}.between: got a pair a second time; need each once. Take one out.")
+        pairs[correlation.between] = correlation.rank
+    return Variables({one.name: one.distribution for one in parameters}, pairs)
+
+
+def _design(study: Study, parameters: tuple[Varied, ...]) -> Design:
+    if study.kind == "sample":
+        return _drawn(study, parameters)
+    if study.sensitivity is not None:
+        return Listed(asked_rows(study.sensitivity, variables_of(study, parameters)))
+    return FullGrid(parameters)
+
+
+def _drawn(study: Study, parameters: tuple[Varied, ...]) -> Drawn:
+    given = study.sample
+    assert given is not None
+    variables = variables_of(study, parameters)
+    points, rows, groups = points_of(given.design, len(parameters), given.rows, given.scramblings, given.seed)
+    return Drawn(variables, points, rows, groups)

@@ -3,6 +3,7 @@
     DIR/study.toml        the study file as it was read (where it was a file)
     DIR/study.json        the study with its scenarios read: what its hash is of
     DIR/manifest.json     rows, chunks, columns with their units, the hash, the version; remarks
+    DIR/results.json      what the finished study says (see `results`)
     DIR/chunks/chunk-00000012.parquet
     DIR/lock              held by the process that writes
 
@@ -35,7 +36,7 @@ from ridedown.studies.study import LoadedStudy, hash_of
 FORMAT = 1
 """Of the folder; raised when an older ridedown could read it wrong."""
 
-MANIFEST, IDENTITY, CHUNKS, LOCK = "manifest.json", "study.json", "chunks", "lock"
+MANIFEST, IDENTITY, RESULTS, CHUNKS, LOCK = "manifest.json", "study.json", "results.json", "chunks", "lock"
 
 _CHUNK_NAME = re.compile(r"chunk-(\d{8,})\.parquet")
 _PARTIAL = ".partial"
@@ -156,6 +157,11 @@ class Store:
             with _explained(self.folder):
                 self._put(self.folder / MANIFEST, _json({**manifest, "remarks": remarks()}))
 
+    def finish(self, results: dict[str, Any]) -> None:
+        """Keep what a finished study says."""
+        with _explained(self.folder):
+            self._put(self.folder / RESULTS, _json(results))
+
     def missing(self) -> list[int]:
         """The chunks that are not there, or not whole, in order."""
         done = set()
@@ -210,6 +216,11 @@ def read_manifest(folder: Path) -> dict[str, Any]:
             f"{manifest.get('ridedown')}."
         )
     return manifest
+
+
+def read_results(folder: Path) -> dict[str, Any] | None:
+    """What the finished study in a folder says; None where it is not finished."""
+    return _parsed(folder / RESULTS) if (folder / RESULTS).is_file() else None
 
 
 def chunk_files(folder: Path) -> list[Path]:

@@ -14,7 +14,8 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from ridedown.errors import InvalidInput
+from ridedown import catalogue
+from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import Scenario, load, lower
 from ridedown.scenario.base import Check, Model, Name
 from ridedown.scenario.quantities import Duration, Factor
@@ -23,7 +24,7 @@ from ridedown.studies.parameters import StudyParameter
 
 _NEED = "need a table of fields such as kind, scenario and [[parameters]]. docs/studies.md has examples."
 
-Kind = Literal["sweep", "sample", "sensitivity", "optimise", "bound"]
+Kind = Literal["sweep", "sample", "sensitivity"]
 
 
 class Case(Model):
@@ -33,6 +34,49 @@ class Case(Model):
     scenario: str | dict[str, Any] = Field(description="a catalogue name, a file, or a scenario written out")
     weight: Factor = 1.0
     """Its share in `weighted.<outcome>`, over the sum of all weights."""
+
+
+class Correlation(Model):
+    """The rank correlation (Spearman) of two parameters."""
+
+    between: tuple[str, str] = Field(description="the names of two parameters")
+    rank: float = Field(description="their rank correlation, between -1 and 1")
+
+
+class SampleOptions(Model):
+    """How a sample is drawn and judged.
+
+    rows: in all; with a Sobol sequence rounded up to `scramblings` times a power of two. design: how the rows lie. confidence:
+    of intervals.
+    """
+
+    rows: int = Field(16_384, strict=True, description="how many rows")
+    design: Literal["sobol", "latin-hypercube", "random"] = "sobol"
+    scramblings: int = Field(16, strict=True, description="independent parts of a Sobol sequence, by which it is judged")
+    seed: int = Field(0, strict=True, description="a whole number from 0")
+    confidence: float = Field(0.95, description="of intervals")
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        yield Check("rows", self.rows >= 1, f"{self.rows}", "1 or more")
+        yield Check("scramblings", self.scramblings >= 2, f"{self.scramblings}", "2 or more")
+        yield Check("seed", self.seed >= 0, f"{self.seed}", "a whole number of 0 or more")
+        yield Check("confidence", 0.0 < self.confidence < 1.0, f"{self.confidence}", "a number between 0 and 1")
+
+
+class SensitivityOptions(Model):
+    """How sensitivity is found: Sobol indices of `rows` blocks of d + 2 rows, or Morris screening of `rows` trajectories."""
+
+    method: Literal["sobol", "morris"] = "sobol"
+    rows: int = Field(1024, strict=True, description="blocks or trajectories, best a power of two")
+    seed: int = Field(0, strict=True, description="a whole number from 0")
+    confidence: float = Field(0.95, description="of intervals")
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        yield Check("rows", self.rows >= 2, f"{self.rows}", "2 or more")
+        yield Check("seed", self.seed >= 0, f"{self.seed}", "a whole number of 0 or more")
+        yield Check("confidence", 0.0 < self.confidence < 1.0, f"{self.confidence}", "a number between 0 and 1")
 
 
 class Limit(Model):
@@ -64,7 +108,17 @@ class Study(Model):
     parameters: tuple[StudyParameter, ...] = Field((), description="what varies")
     outcomes: tuple[str, ...] = ()
     limits: tuple[Limit, ...] = ()
+    correlations: tuple[Correlation, ...] = ()
+    sample: SampleOptions | None = Field(None, description="how a sample is drawn")
+    sensitivity: SensitivityOptions | None = Field(None, description="how sensitivity is found")
     step: Duration = Field(1e-4, description="time between the samples that criteria are computed from")
+
+    def complete(self) -> None:
+        """Fill in the options of its kind."""
+        if self.kind == "sample" and self.sample is None:
+            self._fill(sample=SampleOptions())
+        if self.kind == "sensitivity" and self.sensitivity is None:
+            self._fill(sensitivity=SensitivityOptions())
 
     def checks(self) -> Iterator[Check]:
         """Rules between the fields."""
@@ -84,6 +138,11 @@ class Study(Model):
                 yield Check(
                     where, listed, "no list of values", "values or a grid in a sweep", 'For others use kind = "sample".'
                 )
+        for kind in ("sample", "sensitivity"):
+            wanted = self.kind == kind or getattr(self, kind) is None
+            yield Check(kind, wanted, f'a table [{kind}] with kind = "{self.kind}"', "none", "Take it out, or change the kind.")
+        drawn = self.kind == "sample" or not self.correlations
+        yield Check("correlations", drawn, f'correlations with kind = "{self.kind}"', "none", "Only samples have them.")
         once = len(set(self.outcomes)) == len(self.outcomes)
         yield Check("outcomes", once, "an outcome twice", "each once", "Take one out.")
 
@@ -139,7 +198,7 @@ def hash_of(identity: Mapping[str, Any]) -> str:
 
 
 def load_study(source: str | os.PathLike[str] | Mapping[str, Any] | Study | LoadedStudy) -> LoadedStudy:
-    """The study of a TOML or YAML file, or of a mapping of the same shape, with its scenarios.
+    """The study of a TOML or YAML file, of a name in the catalogue, or of a mapping of the same shape, with its scenarios.
 
     A scenario is a name of the catalogue, a file relative to the study's own folder, or written out in the study.
 
@@ -157,7 +216,7 @@ def load_study(source: str | os.PathLike[str] | Mapping[str, Any] | Study | Load
     elif isinstance(source, Mapping):
         study = Study.model_validate(dict(source))
     else:
-        path = Path(source)
+        path = _path(source)
         text = _text(path)
         study, folder = Study.model_validate(table_in(path, text, _NEED)), path.parent
     cases = study.scenarios or (Case(name="only", scenario=study.scenario or {}),)
@@ -167,6 +226,17 @@ def load_study(source: str | os.PathLike[str] | Mapping[str, Any] | Study | Load
         scenarios[case.name if study.scenarios else ""] = _scenario(where, case.scenario, folder)
     weights = {name: case.weight for name, case in zip(scenarios, cases, strict=True)}
     return LoadedStudy(study=study, scenarios=scenarios, weights=weights, text=text)
+
+
+def _path(source: str | os.PathLike[str]) -> Path:
+    """The file itself, or that of a study which comes with ridedown: of that name, unless a file has it."""
+    path = Path(source)
+    if path.suffix or path.name != str(source) or path.exists():
+        return path
+    known = catalogue.studies()
+    if path.name not in known:
+        raise UnknownName(f"{UnknownName.among('study', path.name, known)} For a file, give its path with .toml or .yaml.")
+    return known[path.name]
 
 
 def _text(path: Path) -> str:

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from ridedown.studies.sql import connect
-from ridedown.studies.store import read_manifest
+from ridedown.studies.store import read_manifest, read_results
 
 
 def summary_of(folder: Path) -> dict[str, Any]:
-    """Plain data for JSON: `rows`, `done`, `failed` (by why), `outcomes` (least, mean and largest, SI).
+    """Plain data for JSON: `rows`, `done`, `failed` (by why), `outcomes` (least, mean and largest, SI),
+    `results`: what the study says (see `results`), once it is finished.
 
     Raises: InvalidInput for a folder without results.
     """
@@ -38,6 +39,7 @@ def summary_of(folder: Path) -> dict[str, Any]:
         "failed": [{"status": status, "why": why, "rows": rows} for status, why, rows in failed],
         "outcomes": found,
         "remarks": manifest.get("remarks", []),
+        "results": read_results(folder),
     }
 
 

@@ -1,0 +1,106 @@
+"""What a finished study says: quantiles, probabilities of exceeding limits, indices, with their intervals; as plain data."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from ridedown.errors import InvalidInput, UnknownName
+from ridedown.scenario.quantities import Refused, read
+from ridedown.studies.evaluation import Estimate, Limit
+from ridedown.studies.parameters import resolve
+from ridedown.studies.plan import Drawn, Listed, Plan, variables_of
+from ridedown.studies.reliability import exceedance, summary
+from ridedown.studies.sensitive import told_by
+from ridedown.studies.store import chunk_files
+from ridedown.studies.study import LoadedStudy, Study
+from ridedown.units import dimension
+
+Floats = NDArray[np.float64]
+
+
+def column(folder: Path, name: str) -> Floats:
+    """A column of the results in a folder, in the order of the rows, (R,); NaN where a row has none."""
+    parts = [pq.read_table(path, columns=[name])[name].to_numpy() for path in chunk_files(folder)]
+    values: Floats = np.concatenate(parts)
+    return values
+
+
+def limits_of(study: Study, units: dict[str, str]) -> tuple[Limit, ...]:
+    """The limits of a study in SI: each on one outcome, for every scenario that has it, from one side.
+
+    Raises: UnknownName for an outcome that the study does not keep; InvalidInput for a value of another dimension.
+    """
+    found: list[Limit] = []
+    for i, limit in enumerate(study.limits):
+        names = [name for name in units if name == limit.outcome]
+        names = names or [name for name in units if name.partition(".")[2] == limit.outcome]
+        if not names:
+            raise UnknownName(f"limits.{i}.{UnknownName.among('outcome', limit.outcome, units)} List it under outcomes too.")
+        for side in ("most", "least"):
+            given = getattr(limit, side)
+            if given is not None:
+                value = _value(f"limits.{i}.{side}", given, units[names[0]])
+                found += [Limit(name, **{side: value}) for name in names]
+    return tuple(found)
+
+
+def _value(where: str, given: float | str, unit: str) -> float:
+    if isinstance(given, str) and unit:
+        try:
+            return read(given, dimension(unit))
+        except Refused as refused:
+            raise InvalidInput(f"{where}: {refused}") from None
+    if isinstance(given, str):
+        raise InvalidInput(f'{where}: got "{given}"; need a bare number. This outcome has no unit.')
+    return float(given)
+
+
+def results_of(loaded: LoadedStudy, plan: Plan, folder: Path) -> dict[str, Any]:
+    """What the kept rows of a finished study say, as plain data for JSON.
+
+    `limits`: for each, its rule in words, how many rows exceed it, of how many. Of a sample its probability with an interval,
+    and `outcomes`: mean, deviation and quantiles with theirs. Of a sensitivity study `outcomes`: indices or effects.
+    """
+    limits = limits_of(loaded.study, plan.function.units)
+    drawn = plan.design if isinstance(plan.design, Drawn) else None
+    groups = 1 if drawn is None else drawn.groups
+    given = loaded.study.sample
+    confidence = 0.95 if given is None else given.confidence
+    found: dict[str, Any] = {"kind": loaded.study.kind, "limits": []}
+    for limit in limits:
+        counted = exceedance(limit, column(folder, limit.outcome), groups=groups, confidence=confidence)
+        said: dict[str, Any] = {"outcome": limit.outcome, "most": limit.most, "least": limit.least, "rule": limit.rule}
+        said |= {"exceeded": counted.exceeded, "rows": counted.rows, "failed": counted.failed}
+        if drawn is not None:
+            said |= {"probability": asdict(counted.probability), "beta": counted.beta}
+        found["limits"].append(said)
+    if drawn is not None and given is not None:
+        found |= {"design": given.design, "seed": given.seed, "parts": groups, "outcomes": {}}
+        for name in plan.function.units:
+            of = summary(name, column(folder, name), groups=groups, confidence=confidence)
+            quantiles = [{"share": one.share, **asdict(one.value)} for one in of.quantiles]
+            found["outcomes"][name] = {"mean": asdict(of.mean), "deviation": of.deviation, "quantiles": quantiles}
+    if loaded.study.sensitivity is not None and isinstance(plan.design, Listed):
+        variables = variables_of(loaded.study, resolve(loaded.study.parameters, loaded.scenarios))
+        kept = {name: column(folder, name) for name in plan.function.units}
+        found |= told_by(loaded.study.sensitivity, variables, plan.design.listed, kept)
+    plain: dict[str, Any] = finite(found)
+    return plain
+
+
+def finite(value: Any) -> Any:
+    """The same data with null for numbers that JSON has not."""
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    if isinstance(value, Estimate):
+        return finite(asdict(value))
+    return None if isinstance(value, float) and not math.isfinite(value) else value
