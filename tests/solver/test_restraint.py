@@ -212,6 +212,32 @@ def test_a_hard_stop_when_all_is_let_out() -> None:
     assert expected.max() > 5000.0
 
 
+def test_a_stage_that_may_let_out_no_more_is_passed_over() -> None:
+    """What a stage by time may let out is used up before it begins: the belt stops, and its lower force never counts."""
+    law = spring(80e3, limits=(4000.0, 2500.0), payouts=(0.05, 0.05), timers=(Timer(Action.STAGE_2, 0.15),))
+    solved = Solved(sled(law))
+    assert solved.phases.payout[0] == pytest.approx(0.05, rel=1e-12)
+    assert solved.phases.reel[0] == pytest.approx(-0.05, rel=1e-12)
+    stretch = np.maximum(solved.at("driver.excursion", np.linspace(0.06, 0.2, 50)) - 0.05, 0.0)
+    np.testing.assert_allclose(solved.at("driver.0.force", np.linspace(0.06, 0.2, 50)), 80e3 * stretch, rtol=1e-9, atol=1e-6)
+    assert stretch.max() * 80e3 > 4000.0
+
+
+@pytest.mark.parametrize("unloading", [None, 160e3])
+def test_a_lower_stage_lets_out_at_once_no_more_than_is_left(unloading: float | None) -> None:
+    """3000 N less would take 37.5 mm of this webbing, or 18.75 mm on its unloading line; 10 mm are left."""
+    law = spring(80e3, limits=(4000.0, 1000.0), payouts=(0.05, 0.06), unloading=unloading)
+    solved = Solved(sled(law))
+    assert solved.phases.payout[0] == pytest.approx(0.06, rel=1e-12)
+    assert solved.phases.reel[0] == pytest.approx(-0.06, rel=1e-12)
+    slipping = next(t for t, (_, after) in zip(solved.times, solved.changes, strict=True) if after in {4, 5})
+    stop = next(t for t in solved.times if t > slipping)
+    assert solved.at("driver.0.force", stop - 1e-9) == pytest.approx(4000.0, rel=1e-9)
+    assert solved.at("driver.0.force", stop + 1e-9) == pytest.approx(4000.0 - 0.01 * (unloading or 80e3), rel=1e-5)
+    top = solved.largest("driver.excursion")[0]
+    assert solved.largest("driver.0.force")[0] == pytest.approx(80e3 * (top - 0.06), rel=1e-9)
+
+
 def test_the_belt_never_gives_more_than_its_limit_whatever_its_damper() -> None:
     for damping in (0.0, 300.0, 3000.0):
         solved = Solved(sled(spring(80e3, limits=(5000.0, np.inf), damping=damping, unloading=400e3)))

@@ -110,7 +110,7 @@ class Restraint:
     """A belt on its reel, a bag, a padded surface: something that holds an occupant. [m, N, N/m, N s/m, s]
 
         e = d - slack + w                      elongation, or penetration; w: what the reel has taken in
-        f = fill (curve(e) + damping d')       never less than zero, and zero until e > 0
+        f = fill (curve(e) + damping d')       never less than zero, and zero until e > 0, or its permanent set
 
     Curve: piece i starts at elongation `knots[i]` (the first at 0) with force `forces[i]` and rises by `slopes[i]`; the last
     goes on for ever. `unloading`: None to come back along it, or the stiffness of the line down to a permanent set and up

@@ -214,9 +214,7 @@ def next_mode(
     if now >= count + HELD_1:
         memory[memory_at(e, STALLED + now - count - HELD_1) + l] = 0.0 if which == 0 else 1.0
     elif which == 1:
-        n = now - count - SLIPPING_1
-        memory[memory_at(e, PAYOUT) + l] = coefficients[PAYOUTS + n, e, crash]
-        memory[memory_at(e, STAGE) + l] = n + 1.0
+        _all_let_out(e, l, crash, now - count - SLIPPING_1, coefficients, memory)
     elif bare:
         return now
     return branch
@@ -268,7 +266,26 @@ def _give(e, l, crash, now, d, v, first, count, coefficients, pieces, memory):
             branch -= 1
         memory[memory_at(e, BRANCH) + l] = branch
         memory[memory_at(e, BARE) + l] = 1.0 if damper > given else 0.0
+        length = elongation - _elongation(e, l, crash, v, kind, branch, first, count, coefficients, pieces, memory)
+        left = max(coefficients[PAYOUTS + kind - SLIPPING_1, e, crash] - memory[memory_at(e, PAYOUT) + l], 0.0)
+        if length > left:  # or what is left of its stage, and stops
+            memory[memory_at(e, REEL) + l] -= left
+            memory[memory_at(e, BARE) + l] = 0.0
+            _all_let_out(e, l, crash, kind - SLIPPING_1, coefficients, memory)
+            if branch <= count:
+                branch = now
+                while branch > 1 and elongation - left < pieces[KNOT, first + branch - 1, crash]:
+                    branch -= 1
+            return branch
     return count + kind
+
+
+@part
+def _all_let_out(e, l, crash, n, coefficients, memory):
+    """A stage of the load limiter ends for the belt that it let out: on to the next, past one that may let out no more."""
+    out = coefficients[PAYOUTS + n, e, crash]
+    memory[memory_at(e, PAYOUT) + l] = max(memory[memory_at(e, PAYOUT) + l], out)
+    memory[memory_at(e, STAGE) + l] = 1.0 if n == 0 and coefficients[PAYOUTS + 1, e, crash] > out else 2.0
 
 
 @kernel
