@@ -18,13 +18,13 @@ from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
 from ridedown.scenario import Bar, CrashScenario, Crush, Member, NetworkScenario, Occupant, Restraint, Vehicle
-from tests.independent_laws import GAP, LAWS, SPEED, At, Curve, Law, Mode
+from tests.independent_laws import ACCELERATION, GAP, LAWS, SPEED, TIME, At, Curve, Law, Mode
 
 Floats = NDArray[np.float64]
 
@@ -45,6 +45,23 @@ class Body:
     speed: float
     parent: str = ""
     vehicle: str = ""
+    drive: Drive | None = None
+
+
+@dataclass
+class Drive:
+    """A prescribed acceleration: a polynomial in (t - begins[i]) from each begins[i] on, coefficients in ascending powers."""
+
+    begins: list[float]
+    series: list[Floats]
+
+    def at(self, times: Any, piece: int) -> Any:
+        """Accelerations by one of the pieces, also beyond its ends."""
+        return polynomial.polyval(times - self.begins[piece], self.series[piece])
+
+    def piece(self, time: float) -> int:
+        """The piece just after a time."""
+        return int(np.searchsorted(self.begins, time, side="right")) - 1
 
 
 @dataclass
@@ -78,6 +95,19 @@ class System:
         if self.turn >= 0:
             acting[:, self.turn] = self.arms
         self.pull = -acting.T / np.array([body.inertia for body in self.bodies])[:, np.newaxis]
+        driven = [i for i, body in enumerate(self.bodies) if body.drive is not None]
+        self.driven = driven[0] if driven else -1
+        self.drive = self.bodies[self.driven].drive if driven else None
+
+    def stop_after(self, time: float) -> float:
+        """When something is next done, by a clock, to an element or to the driven body; at most the duration."""
+        stops = [stop for element in self.elements for stop in element.law.times]
+        stops += self.drive.begins if self.drive is not None else []
+        return min([stop for stop in stops if stop > time] + [self.duration])
+
+    def regime(self, law: Floats, time: float) -> Regime:
+        """What rules from a time on, until something switches."""
+        return Regime(law, 0 if self.drive is None else self.drive.piece(time))
 
     def start(self) -> Floats:
         speeds = [body.speed for body in self.bodies]
@@ -93,20 +123,22 @@ class System:
             v = v + np.multiply.outer(self.arms, (1.0 + tangent**2) * rate)
         return d, v
 
-    def forces(self, y: Floats, law: Floats) -> Floats:
+    def forces(self, t: Any, y: Floats, regime: Regime) -> Floats:
         d, v = self.deflections(y)
-        a, k, c = law if y.ndim == 1 else law[:, :, np.newaxis]
-        out: Floats = a + k * d + c * v
+        a, k, c, b, p, q = regime.law if y.ndim == 1 else regime.law[:, :, np.newaxis]
+        out: Floats = (a + k * d + c * v + b * t) * (p + q * t)
         return out
 
-    def accelerations(self, y: Floats, law: Floats) -> Floats:
-        out: Floats = self.pull @ self.forces(y, law)
+    def accelerations(self, t: Any, y: Floats, regime: Regime) -> Floats:
+        out: Floats = self.pull @ self.forces(t, y, regime)
         if self.turn >= 0 and self.conjugate:
             out[self.turn] *= 1.0 + np.tan(y[self.turn]) ** 2
+        if self.drive is not None:
+            out[self.driven] = self.drive.at(t, regime.drive)
         return out
 
-    def slope(self, y: Floats, law: Floats) -> Floats:
-        return np.concatenate([y[len(self.bodies) :], self.accelerations(y, law)])
+    def slope(self, t: float, y: Floats, regime: Regime) -> Floats:
+        return np.concatenate([y[len(self.bodies) :], self.accelerations(t, y, regime)])
 
     def rate(self) -> float:
         """Faster than anything swings [1/s]; dampers count only as far as they are no faster than the springs."""
@@ -118,13 +150,20 @@ class System:
         return max(springs, min(dampers, 3.0 * springs), 10.0)
 
 
+class Regime(NamedTuple):
+    """What rules while nothing switches."""
+
+    law: Floats  # (6, m) a, k, c, b, p, q of every element
+    drive: int  # piece of the prescribed acceleration
+
+
 class Piece(NamedTuple):
     """Part of the trajectory on which nothing switches."""
 
     begin: float
     end: float
     states: States
-    law: Floats  # (3, m) a, k, c of every element
+    regime: Regime
 
 
 class Happening(NamedTuple):
@@ -164,7 +203,7 @@ class Run:
         out = np.empty(times.shape)
         for i in np.unique(where):
             mine = where == i
-            out[mine] = self._values(channel, self.pieces[i].states(times[mine]), self.pieces[i].law)
+            out[mine] = self._values(channel, times[mine], self.pieces[i])
         return out
 
     def maximum(self, channel: str) -> tuple[float, float]:
@@ -182,9 +221,7 @@ class Run:
 
     def _largest(self, channel: str, sign: float) -> tuple[float, float]:
         if channel not in self._sampled:
-            self._sampled[channel] = np.array(
-                [self._values(channel, p.states(_inside(p.begin, p.end)), p.law) for p in self.pieces]
-            )
+            self._sampled[channel] = np.array([self._values(channel, _inside(p.begin, p.end), p) for p in self.pieces])
         values = sign * self._sampled[channel]
         spans = np.ptp(values, axis=1)
         best, at = -inf, 0.0
@@ -201,21 +238,21 @@ class Run:
                 at = begin + 0.5 * (end - begin) * (1.0 + float(points[tops.argmax()]))
         return best, at
 
-    def _values(self, channel: str, y: Floats, law: Floats) -> Floats:
-        system = self.system
+    def _values(self, channel: str, times: Floats, piece: Piece) -> Floats:
+        system, y, regime = self.system, piece.states(times), piece.regime
         who, _, quantity = channel.rpartition(".")
         names = [body.name for body in system.bodies]
         n = len(names)
         if who in (elements := [e.name for e in system.elements]):
             i = elements.index(who)
             d, v = system.deflections(y)
-            out: Floats = {"force": system.forces(y, law), "deflection": d, "deflection_rate": v}[quantity][i]
+            out: Floats = {"force": system.forces(times, y, regime), "deflection": d, "deflection_rate": v}[quantity][i]
             return out
         if quantity in {"rotation", "rotation_rate"}:
             return np.asarray(y[system.turn + (0 if quantity == "rotation" else n)])
         i = names.index(who)
         if quantity == "acceleration":
-            return np.asarray(system.accelerations(y, law)[i])
+            return np.asarray(system.accelerations(times, y, regime)[i])
         row = n if quantity.endswith("velocity") else 0
         frame = {"relative": system.bodies[i].parent, "excursion": system.bodies[i].vehicle}.get(quantity.split("_")[0])
         values: Floats = y[row + i] - (y[row + names.index(frame)] if frame else 0.0)
@@ -230,69 +267,75 @@ def _inside(begin: float, end: float) -> Floats:
 
 def simulate(scenario: CrashScenario | NetworkScenario, *, rtol: float = 1e-13, atol: float = 1e-14) -> Run:
     """Solve a scenario with located events; accurate to about 1e-12 of each channel's size."""
-    system = build(scenario)
+    return march(build(scenario), rtol=rtol, atol=atol)
+
+
+def march(system: System, *, rtol: float = 1e-13, atol: float = 1e-14) -> Run:
+    """Solve a system, whose laws keep what they remember in the end."""
     y, t = system.start(), 0.0
     events: list[Happening] = []
-    modes = _settle(system, y, [Mode("open") for _ in system.elements])
+    modes = _settle(system, t, y, [Mode("open") for _ in system.elements])
     pieces: list[Piece] = []
     while t < system.duration:
-        phase, y, switched = _phase(system, modes, t, y, rtol=rtol, atol=atol)
+        phase, y, arrived = _phase(system, modes, t, y, rtol=rtol, atol=atol)
         pieces += phase
         t = pieces[-1].end
-        if not switched and t < system.duration:
+        if not arrived:
             break  # the bar has turned too far
-        if switched:
-            after = _settle(system, y, modes)
-            changed = zip(system.elements, modes, after, strict=True)
-            events += [Happening(t, e.name, a.name, b.name) for e, a, b in changed if a.name != b.name]
-            modes = after
-            if len(events) > MOST_EVENTS:
-                raise RuntimeError(f"more than {MOST_EVENTS} events by {t} s")
+        after = _settle(system, t, y, modes)
+        changed = zip(system.elements, modes, after, strict=True)
+        events += [Happening(t, e.name, a.name, b.name) for e, a, b in changed if a.name != b.name]
+        modes = after
+        if len(events) > MOST_EVENTS:
+            raise RuntimeError(f"more than {MOST_EVENTS} events by {t} s")
     return Run(system, pieces, events)
 
 
 def _phase(
     system: System, modes: list[Mode], t: float, y: Floats, *, rtol: float, atol: float
 ) -> tuple[list[Piece], Floats, bool]:
-    """The steps up to the next event, the state there, and whether there is one."""
+    """The steps up to the next event or stop, the state there, and whether it was reached."""
     law, guards = _arrays(modes)
+    regime = system.regime(law, t)
     longest = 1.0 / (STEPS_PER_RADIAN * system.rate())
-    march = DOP853(lambda _, y: system.slope(y, law), t, y, system.duration, max_step=longest, rtol=rtol, atol=atol)
+    stop = system.stop_after(t)
+    march = DOP853(lambda t, y: system.slope(t, y, regime), t, y, stop, max_step=longest, rtol=rtol, atol=atol)
     pieces: list[Piece] = []
     while march.status == "running":
         complaint = march.step()
         if complaint:
             raise RuntimeError(complaint)
         begin, states = float(march.t_old or 0.0), march.dense_output()
-        switched, end = _first_fall(system, guards, states, begin, float(march.t))
-        pieces.append(Piece(begin, end, states, law))
+        switched, end = _first_fall(system, guards, states, regime, begin, float(march.t))
+        pieces.append(Piece(begin, end, states, regime))
         if switched:
             return pieces, states(end), True
         if system.turn >= 0 and abs(march.y[system.turn]) > STEEPEST:
-            break
-    return pieces, march.y, False
+            return pieces, march.y, False
+    return pieces, march.y, True
 
 
 def _arrays(modes: list[Mode]) -> tuple[Floats, Floats]:
-    """Forces (3, m), and guards (G, 4): element, g0, gd, gv."""
-    guards = [(i, *guard) for i, mode in enumerate(modes) for guard in mode.guards]
-    return np.array([mode.force for mode in modes]).T, np.array(guards).reshape(-1, 4)
+    """Forces (6, m), and guards (G, 6): element, g0, gd, gv, gt, ga."""
+    whole = (0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+    guards = [(i, *guard, *(0.0,) * (5 - len(guard))) for i, mode in enumerate(modes) for guard in mode.guards]
+    return np.array([(*mode.force, *whole[len(mode.force) :]) for mode in modes]).T, np.array(guards).reshape(-1, 6)
 
 
-def _settle(system: System, y: Floats, modes: list[Mode]) -> list[Mode]:
+def _settle(system: System, t: float, y: Floats, modes: list[Mode]) -> list[Mode]:
     """The modes just after this state. `modes`: those until now."""
     d, v = system.deflections(y)
     for i, (element, mode) in enumerate(zip(system.elements, modes, strict=True)):
-        element.law.remember(mode, At(d[i], v[i]))
+        element.law.remember(mode, At(d[i], v[i], t))
     trial = modes
     for _ in range(20):
-        law = _arrays(trial)[0]
+        regime = system.regime(_arrays(trial)[0], t)
         found: list[Mode | None] = [None] * len(modes)
         for later in (0.0, *LATER):
-            d, v = system.deflections(_a_little_later(system, y, law, later))
+            d, v = system.deflections(_a_little_later(system, t, y, regime, later))
             for i, element in enumerate(system.elements):
                 if found[i] is None:
-                    mode, margin = element.law.mode(At(d[i], v[i]))
+                    mode, margin = element.law.mode(At(d[i], v[i], t + later))
                     if margin > 1.0 or later == LATER[-1]:
                         found[i] = mode
         settled = [mode for mode in found if mode is not None]
@@ -302,22 +345,27 @@ def _settle(system: System, y: Floats, modes: list[Mode]) -> list[Mode]:
     raise RuntimeError("no set of modes agrees with itself")
 
 
-def _a_little_later(system: System, y: Floats, law: Floats, h: float) -> Floats:
-    k1 = system.slope(y, law)
-    k2 = system.slope(y + h / 2.0 * k1, law)
-    k3 = system.slope(y + h / 2.0 * k2, law)
-    k4 = system.slope(y + h * k3, law)
+def _a_little_later(system: System, t: float, y: Floats, regime: Regime, h: float) -> Floats:
+    k1 = system.slope(t, y, regime)
+    k2 = system.slope(t + h / 2.0, y + h / 2.0 * k1, regime)
+    k3 = system.slope(t + h / 2.0, y + h / 2.0 * k2, regime)
+    k4 = system.slope(t + h, y + h * k3, regime)
     return y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
 
-def _first_fall(system: System, guards: Floats, states: States, begin: float, end: float) -> tuple[bool, float]:
+def _first_fall(system: System, guards: Floats, states: States, regime: Regime, begin: float, end: float) -> tuple[bool, float]:
     """Whether a guard falls below zero within the step, and when the first does (else the end of the step)."""
     which = guards[:, 0].astype(int)
 
+    swings = bool(guards[:, 5].any())
+
     def values(times: Any) -> Floats:
-        d, v = system.deflections(states(times))
+        y = states(times)
+        d, v = system.deflections(y)
         columns = guards.T[..., np.newaxis] if d.ndim > 1 else guards.T
-        out: Floats = columns[1] + columns[2] * d[which] + columns[3] * v[which]
+        out: Floats = columns[1] + columns[2] * d[which] + columns[3] * v[which] + columns[4] * times
+        if swings:  # of elements that have no arm on the bar
+            out += columns[5] * (system.signs @ system.accelerations(times, y, regime))[which]
         return out
 
     def one(guard: int, time: float) -> float:
@@ -327,7 +375,7 @@ def _first_fall(system: System, guards: Floats, states: States, begin: float, en
     sampled = values(times)
     first = inf
     for g in np.flatnonzero(sampled.min(axis=1) < np.ptp(sampled, axis=1)):
-        deep = GAP * abs(guards[g, 2]) + SPEED * abs(guards[g, 3])
+        deep = np.abs(guards[g, 2:]) @ (GAP, SPEED, TIME, ACCELERATION)
         first = min(first, _falls(partial(one, int(g)), times, sampled[g], deep))
     return first < inf, min(first, end)
 
@@ -358,22 +406,22 @@ def coarse(scenario: CrashScenario | NetworkScenario, *, step: float = 1e-5) -> 
     y = system.start()
     states, forces = np.empty((count + 1, len(y))), np.empty((count + 1, len(laws)))
 
-    def law_at(y: Floats) -> Floats:
+    def law_at(y: Floats) -> Regime:
         d, v = system.deflections(y)
-        return np.array([law.mode(At(d[i], v[i]))[0].force for i, law in enumerate(laws)]).T
+        return Regime(_arrays([law.mode(At(d[i], v[i]))[0] for i, law in enumerate(laws)])[0], 0)
 
     for j in range(count + 1):
         d, v = system.deflections(y)
         for i, law in enumerate(laws):
             law.remember(law.mode(At(d[i], v[i]))[0], At(d[i], v[i]))
-        states[j], forces[j] = y, system.forces(y, law_at(y))
-        k1 = system.slope(y, law_at(y))
+        states[j], forces[j] = y, system.forces(0.0, y, law_at(y))
+        k1 = system.slope(0.0, y, law_at(y))
         y2 = y + step / 2.0 * k1
-        k2 = system.slope(y2, law_at(y2))
+        k2 = system.slope(0.0, y2, law_at(y2))
         y3 = y + step / 2.0 * k2
-        k3 = system.slope(y3, law_at(y3))
+        k3 = system.slope(0.0, y3, law_at(y3))
         y4 = y + step * k3
-        y = y + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + system.slope(y4, law_at(y4)))
+        y = y + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + system.slope(0.0, y4, law_at(y4)))
     n = len(system.bodies)
     out = {f"{e.name}.force": forces[:, i] for i, e in enumerate(system.elements)}
     out |= {f"{body.name}.displacement": states[:, i] for i, body in enumerate(system.bodies)}

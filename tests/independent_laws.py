@@ -1,7 +1,8 @@
 """The force laws of the independent simulator, each by its definition.
 
-Every law is, in every mode, affine in deflection and rate: `f = a + k d + c v`, with guards `g = g0 + gd d + gv v` that
-are positive while the mode holds.
+Every law is, in every mode, affine in deflection, rate and time, times a share that may grow evenly with time:
+`f = (a + k d + c v + b t)(p + q t)`, with guards `g = g0 + gd d + gv v + gt t + ga d''` that are positive while the mode
+holds. What a tuple leaves off at its end is zero, and p is one.
 """
 
 from __future__ import annotations
@@ -14,28 +15,32 @@ from typing import NamedTuple
 
 import numpy as np
 
-GAP, SPEED = 2e-14, 1e-12  # m, m/s: below this, rounding decides on which side of a boundary a state lies
+# m, m/s, s, m/s2: below this, rounding decides on which side of a boundary a state lies
+GAP, SPEED, TIME, ACCELERATION = 2e-14, 1e-12, 1e-15, 1e-9
 
 
 class Mode(NamedTuple):
     """A law while it stays on one straight piece."""
 
     name: str
-    force: tuple[float, float, float] = (0.0, 0.0, 0.0)  # a, k, c of f = a + k d + c v
-    guards: tuple[tuple[float, float, float], ...] = ()  # g0, gd, gv of g = g0 + gd d + gv v
+    force: tuple[float, ...] = (0.0, 0.0, 0.0)  # a, k, c, b, p, q
+    guards: tuple[tuple[float, ...], ...] = ()  # g0, gd, gv, gt, ga
+    reel: tuple[object, ...] = ()  # what a restraint's reel does in it, for its memory
 
 
 class At(NamedTuple):
-    """Deflection and its rate."""
+    """Deflection and its rate, and the time."""
 
     d: float
     v: float
+    t: float = 0.0
 
 
 class Law(ABC):
     """A force law and what it remembers."""
 
     rates: tuple[float, float] = (0.0, 0.0)  # the largest stiffness and damping, for the choice of the step
+    times: tuple[float, ...] = ()  # when something is done to it
 
     @abstractmethod
     def mode(self, at: At) -> tuple[Mode, float]:
@@ -95,7 +100,7 @@ class Threshold(Law):
             self.v_star = at.v
 
     def mode(self, at: At) -> tuple[Mode, float]:
-        d, v = at
+        d, v = at.d, at.v
         margin = abs(d - self.s) / GAP
         if d <= self.s:
             return Mode("open", guards=((self.s, -1.0, 0.0),)), margin
