@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ridedown.studies import Calibrated, calibrate
-from ridedown.studies.fitted import FittedChannel
+from ridedown.studies.calibration.fitted import FittedChannel
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared" / "data" / "nhtsa_v10146"

@@ -12,7 +12,7 @@ import pytest
 
 from ridedown import load, simulate
 from ridedown.signals import read
-from ridedown.studies.extract import Extraction, extract
+from ridedown.studies.extraction.extract import Extraction, extract
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "nhtsa_v10146"
 

@@ -13,8 +13,8 @@ from ridedown.apps.cli import STOPPED, app
 from ridedown.scenario import load
 from ridedown.signals import write
 from ridedown.simulation import simulate
-from ridedown.studies import fit
-from tests.studies.synthetic import TRUE, record
+from ridedown.studies.calibration import fit
+from tests.studies.calibration.synthetic import TRUE, record
 
 ROOT = Path(__file__).parents[2]
 FILE = """

@@ -13,7 +13,7 @@ from ridedown.apps.extract import options
 from ridedown.errors import InvalidInput
 from ridedown.scenario import load
 from ridedown.signals import write
-from tests.studies import walls
+from tests.studies.extraction import walls
 
 
 @pytest.fixture(scope="module")

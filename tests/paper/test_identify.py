@@ -16,7 +16,7 @@ from ridedown.paper.reproduce import reproduce
 from ridedown.scenario import load, parameters, substitute
 from ridedown.scenario.quantities import read
 from ridedown.simulation import simulate
-from ridedown.studies.problem import Problem
+from ridedown.studies.calibration.problem import Problem
 from ridedown.studies.search import Effort
 from ridedown.units import ACCELERATION, LENGTH
 

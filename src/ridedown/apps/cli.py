@@ -20,7 +20,7 @@ from ridedown.errors import RidedownError
 if TYPE_CHECKING:
     from ridedown.report.criteria import CriteriaReport
     from ridedown.response import Response
-    from ridedown.studies.extract import Extraction
+    from ridedown.studies.extraction.extract import Extraction
 
 BAD_INPUT, STOPPED = 2, 3
 """Exit codes: something given cannot be used; the simulation, or a search, was stopped before its end."""
@@ -245,8 +245,8 @@ def extract(
         record, wall = record_at(test), barrier_at(barrier)
 
         from ridedown.apps import show
-        from ridedown.studies.extract import STEPS
-        from ridedown.studies.extract import extract as extracted
+        from ridedown.studies.extraction.extract import STEPS
+        from ridedown.studies.extraction.extract import extract as extracted
 
         _compile_if_cold()
         with show.progress("extracting", STEPS) as advance:

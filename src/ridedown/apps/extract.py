@@ -15,7 +15,7 @@ from ridedown.units import MASS, SPEED, Dimension
 
 
 def options(mass: str | None, speed: str | None, channels: str | None, engine: str | None) -> dict[str, Any]:
-    """The options of `ridedown.studies.extract.extract` that were given as text.
+    """The options of `ridedown.studies.extraction.extract.extract` that were given as text.
 
     Raises: InvalidInput for a quantity that is none.
     """

@@ -20,10 +20,10 @@ from ridedown.paper.reproduce import Reproduction
 from ridedown.paper.trends import trends
 from ridedown.scenario import CrashScenario, dump
 from ridedown.simulation import simulate
-from ridedown.studies.fit import effort_of
-from ridedown.studies.problem import Problem
+from ridedown.studies.calibration.fit import effort_of
+from ridedown.studies.calibration.problem import Problem
+from ridedown.studies.calibration.unknowns import values_of
 from ridedown.studies.search import Effort, runs
-from ridedown.studies.unknowns import values_of
 
 NEAR = 0.03
 """The largest relative error that a vehicle of the paper may have in any of the ten numbers [1]."""

@@ -15,8 +15,8 @@ from ridedown.report.jsontext import json_text
 from ridedown.report.page import render
 from ridedown.report.style import PALETTE, Plot, draw_line, finish, new_axes
 from ridedown.studies import Calibrated
-from ridedown.studies.fitted import FittedChannel
-from ridedown.studies.wording import SHOWN, in_words
+from ridedown.studies.calibration.fitted import FittedChannel
+from ridedown.studies.calibration.wording import SHOWN, in_words
 
 Floats = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from ridedown.report.tables import NONE, Column, Table, number
 from ridedown.studies import Calibrated
-from ridedown.studies.fitted import FittedChannel, FittedNumber
-from ridedown.studies.wording import in_words
+from ridedown.studies.calibration.fitted import FittedChannel, FittedNumber
+from ridedown.studies.calibration.wording import in_words
 
 
 def tables(found: Calibrated) -> tuple[Table, ...]:

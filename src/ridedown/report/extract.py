@@ -14,8 +14,8 @@ from ridedown.report.page import render
 from ridedown.report.style import Plot, draw_line, finish, mark_point, new_axes
 from ridedown.report.tables import NONE, Column, Table, number
 from ridedown.scenario.networks import Tie
-from ridedown.studies.extract import Extraction, Front, reached
-from ridedown.studies.extract_fit import measured_curve
+from ridedown.studies.extraction.extract import Extraction, Front, reached
+from ridedown.studies.extraction.fit import measured_curve
 
 _KMH, _MS = 3.6, 1e3
 _MEASURED, _ONE, _TWO = 6, 1, 0  # colours of the palette

@@ -22,9 +22,9 @@ from ridedown.scenario.member import ForceDeflection
 from ridedown.scenario.model import Source
 from ridedown.scenario.networks import Crush
 from ridedown.signals.record import TestRecord
-from ridedown.studies import extract_fit as fit
-from ridedown.studies.extract_measured import Momentum, WallTest, wall_test
-from ridedown.studies.extract_model import Form, unloading_curve
+from ridedown.studies.extraction import fit
+from ridedown.studies.extraction.measured import Momentum, WallTest, wall_test
+from ridedown.studies.extraction.model import Form, unloading_curve
 
 STEPS = fit.STEPS + 2
 """Of progress, about."""

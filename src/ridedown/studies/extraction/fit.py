@@ -18,8 +18,8 @@ from ridedown.response import Response
 from ridedown.scenario import CrashScenario, NetworkScenario
 from ridedown.signals.filters import smoothed
 from ridedown.simulation import simulate, simulate_many
-from ridedown.studies.extract_measured import ASSUMED_RESTITUTION, INTERVAL, WallTest
-from ridedown.studies.extract_model import Form, Scale, one_mass, two_masses, within
+from ridedown.studies.extraction.measured import ASSUMED_RESTITUTION, INTERVAL, WallTest
+from ridedown.studies.extraction.model import Form, Scale, one_mass, two_masses, within
 
 FOLLOWED = 0.05
 """A curve has enough pieces when what it is read off, or has to follow, is met to this part of its peak, root mean square."""

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from ridedown.criteria.rating import rating
 from ridedown.errors import InvalidInput
 from ridedown.scenario import Scenario, Source, lower
-from ridedown.studies.calibration import Calibration, Search, load_calibration
-from ridedown.studies.fitted import Calibrated, FittedChannel, FittedNumber, FittedParameter
-from ridedown.studies.identifiability import Candidate, confounded
-from ridedown.studies.least_squares import STEP, jacobian, least_squares
-from ridedown.studies.problem import EXPECTED_MISFIT, Problem, ResolvedCase, known_channels
-from ridedown.studies.sampling import Samples
+from ridedown.studies.calibration.file import Calibration, Search, load_calibration
+from ridedown.studies.calibration.fitted import Calibrated, FittedChannel, FittedNumber, FittedParameter
+from ridedown.studies.calibration.identifiability import Candidate, confounded
+from ridedown.studies.calibration.least_squares import STEP, jacobian, least_squares
+from ridedown.studies.calibration.problem import EXPECTED_MISFIT, Problem, ResolvedCase, known_channels
+from ridedown.studies.calibration.sampling import Samples
+from ridedown.studies.calibration.targets import ChannelTarget, NumberTarget
+from ridedown.studies.calibration.uncertainty import Block, Uncertainty, uncertainty
+from ridedown.studies.calibration.unknowns import Unknown, points_of, values_of
 from ridedown.studies.search import Effort, runs
-from ridedown.studies.targets import ChannelTarget, NumberTarget
-from ridedown.studies.uncertainty import Block, Uncertainty, uncertainty
-from ridedown.studies.unknowns import Unknown, points_of, values_of
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str, int, float], None]
@@ -70,7 +70,7 @@ def calibrate(
     found = _judged(problem, point)
     posterior = None
     if calibration.posterior and not interrupted:
-        from ridedown.studies.posterior import sample  # noqa: PLC0415  an optional package
+        from ridedown.studies.calibration.posterior import sample  # noqa: PLC0415  an optional package
 
         posterior = sample(problem, point, found.uncertainty, calibration.search.seed, progress)
     return _result(problem, point, found, starts=starts, interrupted=interrupted, posterior=posterior)

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ridedown.studies.fitted import Confounded, Help
-from ridedown.studies.uncertainty import Uncertainty
-from ridedown.studies.unknowns import Unknown, points_of, values_of
-from ridedown.studies.wording import in_words
+from ridedown.studies.calibration.fitted import Confounded, Help
+from ridedown.studies.calibration.uncertainty import Uncertainty
+from ridedown.studies.calibration.unknowns import Unknown, points_of, values_of
+from ridedown.studies.calibration.wording import in_words
 
 Floats = NDArray[np.float64]
 

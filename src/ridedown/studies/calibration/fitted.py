@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ridedown.criteria.rating import Rating
 from ridedown.scenario import Scenario, dump
-from ridedown.studies.calibration import Calibration
+from ridedown.studies.calibration.file import Calibration
 
 Floats = NDArray[np.float64]
 

@@ -15,13 +15,13 @@ from ridedown.scenario.member import ForceDeflection
 from ridedown.scenario.networks import Tie
 from ridedown.signals.history import TimeHistory
 from ridedown.signals.record import Barrier, ChannelInfo, TestRecord, Vehicle
-from ridedown.studies.extract import Extraction, _cut, extract
-from ridedown.studies.extract_fit import FOLLOWED, Misfit, measured_curve, pieces_of, refined, scale_of
-from ridedown.studies.extract_measured import wall_test
-from ridedown.studies.extract_model import one_mass as form_of_one_mass
-from ridedown.studies.extract_model import two_masses as form_of_two_masses
-from ridedown.studies.extract_model import unloading_curve
-from tests.studies import walls
+from ridedown.studies.extraction.extract import Extraction, _cut, extract
+from ridedown.studies.extraction.fit import FOLLOWED, Misfit, measured_curve, pieces_of, refined, scale_of
+from ridedown.studies.extraction.measured import wall_test
+from ridedown.studies.extraction.model import one_mass as form_of_one_mass
+from ridedown.studies.extraction.model import two_masses as form_of_two_masses
+from ridedown.studies.extraction.model import unloading_curve
+from tests.studies.extraction import walls
 
 
 def force(curve: ForceDeflection, at: np.ndarray) -> np.ndarray:

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
-from ridedown.studies.problem import Problem
-from ridedown.studies.targets import ChannelTarget, Evaluation
-from ridedown.studies.uncertainty import Uncertainty, noise_of
-from ridedown.studies.unknowns import values_of
+from ridedown.studies.calibration.problem import Problem
+from ridedown.studies.calibration.targets import ChannelTarget, Evaluation
+from ridedown.studies.calibration.uncertainty import Uncertainty, noise_of
+from ridedown.studies.calibration.unknowns import values_of
 
 Floats = NDArray[np.float64]
 

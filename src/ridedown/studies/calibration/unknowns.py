@@ -12,7 +12,7 @@ from ridedown import units
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import Scenario, parameters
 from ridedown.scenario.quantities import Refused, read
-from ridedown.studies.calibration import FreeParameter
+from ridedown.studies.calibration.file import FreeParameter
 
 Floats = NDArray[np.float64]
 

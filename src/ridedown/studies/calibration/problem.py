@@ -23,10 +23,10 @@ from ridedown.scenario.reading import SUFFIXES, anchored
 from ridedown.signals import TimeHistory, filtered, mean, read
 from ridedown.signals.record import TestRecord
 from ridedown.simulation import simulate_many
-from ridedown.studies.calibration import Calibration, Case, Prediction, Target
-from ridedown.studies.sampling import Samples
-from ridedown.studies.targets import ChannelTarget, Evaluation, NumberTarget, residuals
-from ridedown.studies.unknowns import Setting, Unknown, number, resolve, table_of, values_of
+from ridedown.studies.calibration.file import Calibration, Case, Prediction, Target
+from ridedown.studies.calibration.sampling import Samples
+from ridedown.studies.calibration.targets import ChannelTarget, Evaluation, NumberTarget, residuals
+from ridedown.studies.calibration.unknowns import Setting, Unknown, number, resolve, table_of, values_of
 
 Floats = NDArray[np.float64]
 

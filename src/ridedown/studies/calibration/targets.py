@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ridedown.studies.sampling import Samples
+from ridedown.studies.calibration.sampling import Samples
 
 Floats = NDArray[np.float64]
 

@@ -11,8 +11,20 @@ from scipy.stats import binom
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import load, substitute
 from ridedown.simulation import simulate
-from ridedown.studies import calibrate, fit
-from tests.studies.synthetic import BASE, CHEST, DAMPING, PARAMETERS, SLACK, STIFFNESS, TRUE, record, restraint, spec
+from ridedown.studies import calibrate
+from ridedown.studies.calibration import fit
+from tests.studies.calibration.synthetic import (
+    BASE,
+    CHEST,
+    DAMPING,
+    PARAMETERS,
+    SLACK,
+    STIFFNESS,
+    TRUE,
+    record,
+    restraint,
+    spec,
+)
 
 NAMES = {"stiffness": STIFFNESS, "slack": SLACK, "damping": DAMPING}
 
