@@ -87,11 +87,12 @@ def test_the_front_of_a_crash_known_by_brute_force():
 
     # none of 3120 designs is better than one of the front by 1 % in both; and the front reaches each of the grid's own front
     assert not beaten(bad, grid_bad, 0.01).any()
-    no_worse = (grid_bad[:, None] >= grid_bad[None]).all(axis=2)
-    grid_front = grid_bad[~(no_worse & (grid_bad[:, None] > grid_bad[None]).any(axis=2)).any(axis=1)]
+    no_better = np.all(grid_bad[:, None] >= grid_bad[None], axis=2)
+    worse = np.any(grid_bad[:, None] > grid_bad[None], axis=2)
+    grid_front = grid_bad[~np.any(no_better & worse, axis=1)]
     assert len(grid_front) > 20
-    reached = (bad[:, None, :] <= 1.02 * grid_front[None]).all(axis=2)
-    assert reached.any(axis=0).all()
+    reached = np.all(bad[:, None, :] <= 1.02 * grid_front[None], axis=2)
+    assert np.all(np.any(reached, axis=0))
     # softer is gentler but goes farther; slack does no good on either count
     assert front.parameters["adult.restraint.slack"].max() < 0.002
     assert stats.spearmanr(front.parameters["adult.restraint.stiffness"], bad[:, 0]).statistic > 0.95
