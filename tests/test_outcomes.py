@@ -149,3 +149,16 @@ def test_a_sample_at_an_event_is_the_value_just_after_it() -> None:
 def test_samples_that_cannot_be(samples: list[str], times: list[float] | None, says: str) -> None:
     with pytest.raises((InvalidInput, UnknownName), match=says):
         simulate_many(load("p1"), {}, samples=samples, times=times)
+
+
+def test_what_a_load_limiter_let_out_and_what_stays_of_a_restraint() -> None:
+    scenario = load("example-restraints")
+    limits = [3.5e3, 5.5e3]
+    many = simulate_many(scenario, {"driver.shoulder-belt.load_limiter.force": limits})
+    for row, limit in enumerate(limits):
+        response = simulate(substitute(scenario, {"driver.shoulder-belt.load_limiter.force": limit}))
+        assert many["driver.shoulder-belt.paid_out"][row] == pytest.approx(
+            response.restraints["driver.shoulder-belt"].paid_out, rel=1e-9
+        )
+    assert many["driver.shoulder-belt.paid_out"][0] > many["driver.shoulder-belt.paid_out"][1] > 0.0
+    assert "driver.knee_bolster.paid_out" not in list(many)

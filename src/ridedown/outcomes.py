@@ -5,6 +5,7 @@
 <body>.displacement.final, <body>.velocity.final               at the end
 <body>.velocity.change                                         velocity at the end less that at the start
 <element>.absorbed      work done on an element [J]            <element>.residual    permanent set of a plastic curve [m]
+<element>.paid_out      belt that a load limiter let out [m]
 energy.initial, energy.final                                   kinetic energy of all bodies [J]
 
 Channels can be sampled at given times besides.
@@ -176,8 +177,10 @@ def _known(network: Network, every: Mapping[str, Channel]) -> Iterator[tuple[str
             yield f"{name}.change", channel.unit
     for e, element in enumerate(network.elements):
         yield f"{element}.absorbed", "J"
-        if network.law[e] == Law.PLASTIC:
+        if _keeps_a_set(network, e):
             yield f"{element}.residual", "m"
+        if np.isfinite(network.limit[0, e]).any():
+            yield f"{element}.paid_out", "m"
     for name in _ENERGIES:
         yield name, "J"
 
@@ -194,9 +197,16 @@ def _usual(network: Network, every: Mapping[str, Channel]) -> list[str]:
         names.append(f"{body}.velocity.final")
     for e, element in enumerate(network.elements):
         names += [f"{element}.deflection.max", f"{element}.force.max", f"{element}.absorbed"]
-        if network.law[e] == Law.PLASTIC:
+        if _keeps_a_set(network, e):
             names.append(f"{element}.residual")
+        if np.isfinite(network.limit[0, e]).any():
+            names.append(f"{element}.paid_out")
     return [*names, *_ENERGIES]
+
+
+def _keeps_a_set(network: Network, e: int) -> bool:
+    """Whether an element unloads to a permanent set."""
+    return bool(network.law[e] == Law.PLASTIC or (network.law[e] == Law.RESTRAINT and (network.stiffness[e] > 0.0).any()))
 
 
 def _value(name: str, plan: Wanted, network: Network, solved: Solved) -> Floats:
@@ -218,7 +228,8 @@ def _value(name: str, plan: Wanted, network: Network, solved: Solved) -> Floats:
         change: Floats = sum(weight * (solved.rate - network.rate)[index] for _, index, weight in plan.channels[stem].terms)
         return change
     element = network.elements.index(stem)
-    column: Floats = solved.work[element] if kind == "absorbed" else np.maximum(solved.set[element], 0.0)
+    kept = {"absorbed": solved.work, "residual": np.maximum(solved.set, 0.0), "paid_out": solved.payout}
+    column: Floats = kept[kind][element]
     return column
 
 

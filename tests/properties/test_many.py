@@ -27,6 +27,8 @@ def outcome(response: Response, name: str) -> float:
         return energy.elements[stem].absorbed
     if kind == "residual":
         return max(0.0, float(response.phases.set[response.network.elements.index(stem)]))
+    if kind == "paid_out":
+        return float(response.phases.payout[response.network.elements.index(stem)])
     find = {"peak": response.peak, "max": response.maximum, "min": response.minimum}
     extremum = find[kind.removesuffix("_time")](stem)
     if kind.endswith("_time"):
