@@ -36,10 +36,8 @@ def main(seeds: int = 60) -> None:
             ratio = np.mean([one.probability.value for one in found]) / exact
             effective = [one.effective for one in found]
             warned = sum(bool(one.warnings) for one in found)
-            print(
-                f"{count:10} {distance:9g} {held:5.0%} {rows:12.0f} {ratio:13.3f} {np.mean(effective):9.0f} {min(effective):5.0f} "
-                f"{warned:9}"
-            )
+            numbers = f"{count:10} {distance:9g} {held:5.0%} {rows:12.0f} {ratio:13.3f}"
+            print(numbers, f"{np.mean(effective):9.0f} {min(effective):5.0f} {warned:9}")
 
 
 if __name__ == "__main__":
