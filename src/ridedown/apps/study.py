@@ -57,6 +57,7 @@ def study(
         )
         return False
     summary = summary_of(folder)
+    _write_page(loaded, folder)
     if as_json:
         show.as_json(summary)
     else:
@@ -65,6 +66,17 @@ def study(
     if failed == summary["rows"]:
         typer.echo(f"ridedown: all {failed:,} rows failed: {summary['failed'][0]['why']}.", err=True)
     return bool(failed < summary["rows"])
+
+
+def _write_page(loaded: LoadedStudy, folder: Path) -> None:
+    from ridedown.report.study import page_of  # noqa: PLC0415  draws, which takes a second to load
+
+    try:
+        page_of(loaded, folder).write(folder)
+    except OSError as error:
+        raise InvalidInput(
+            f"{folder}: got a page that cannot be written ({error.strerror}); need room. The rows are kept."
+        ) from None
 
 
 def query(folder: Path, sql: str, *, as_json: bool, as_csv: bool) -> None:

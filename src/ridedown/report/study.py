@@ -1,0 +1,343 @@
+"""A study as one page that stands alone, with its figures: written into the folder of its results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ridedown.report import study_bound
+from ridedown.report.jsontext import json_text
+from ridedown.report.page import render
+from ridedown.report.study_axes import Bar, Floats, Quantity
+from ridedown.report.study_optimise import front_plot, parallel_plot
+from ridedown.report.study_sample import cumulative_plot, distribution_plot
+from ridedown.report.study_sensitivity import Interval, effect_plot, idle_sentence, index_plot, tornado_plot
+from ridedown.report.study_sweep import carpet_plot, line_plot, map_plot
+from ridedown.report.style import Plot
+from ridedown.report.tables import Column, Table, number
+from ridedown.studies.bound import BoundStudy
+from ridedown.studies.sql import connect
+from ridedown.studies.store import read_manifest
+from ridedown.studies.study import LoadedStudy
+from ridedown.studies.summary import quoted, summary_of
+
+_MOST_OUTCOMES = 8  # drawn; the table has all
+_MOST_ROWS = 200_000  # that a figure is made of; of more, evenly many
+_SHARES = {0.05, 0.5, 0.95}
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Part of the page: an anchor, a heading, tables, figures."""
+
+    anchor: str
+    title: str
+    tables: tuple[Table, ...] = ()
+    plots: tuple[Plot, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """What a page of a study has on it."""
+
+    title: str
+    description: str
+    status: str
+    sections: tuple[Section, ...]
+    notes: tuple[str, ...] = ()
+    study: str = ""
+
+    def write(self, folder: Path) -> None:
+        """Write the page, and each figure beside it, into an existing folder."""
+        figures = folder / "figures"
+        figures.mkdir(exist_ok=True)
+        for section in self.sections:
+            for plot in section.plots:
+                (figures / f"{plot.name}.svg").write_bytes(plot.svg)
+        (folder / "index.html").write_text(self.html(), encoding="utf-8")
+
+    def html(self) -> str:
+        """The page."""
+        given = {name: getattr(self, name) for name in ("title", "description", "status", "sections", "notes", "study")}
+        return render("ridedown.report", "study.html", **given)
+
+
+def page_of(loaded: LoadedStudy, folder: Path) -> Page:
+    """The page of a study whose results are in a folder: what its kind calls for, drawn from the rows that are kept.
+
+    Raises: InvalidInput for a folder without results.
+    """
+    kept = _Kept(loaded, folder)
+    kinds = {"sweep": _sweep, "sample": _sample, "sensitivity": _sensitivity}
+    drawn = tuple(kinds[kept.kind](kept)) if kept.kind in kinds else ()
+    tables = tuple(table for table in (_outcomes(kept), _limits(kept), _failed(kept)) if table.rows)
+    sections = (*drawn, Section("outcomes", "Outcomes", tables))
+    study = loaded.study
+    rows = f"{kept.summary['done']:,} of {kept.summary['rows']:,} rows; kind {kept.kind}."
+    return Page(study.name or "A study", study.description, rows, sections, tuple(kept.notes()), loaded.text)
+
+
+def bound_page(study: BoundStudy, *, description: str = "") -> Page:
+    """The page of a study of kind `bound`."""
+    tables = tuple(table for table in (study_bound.table(study), study_bound.curve_table(study)) if table.rows)
+    room = "no seat behind" if np.isinf(study.ideal.rearward) else f"{1e3 * study.ideal.rearward:.0f} mm of room behind"
+    status = f"{1e3 * study.ideal.slack:.0f} mm of slack, {room}; g = 9.80665 m/s²."
+    notes = (
+        "A restraint only brakes, from first contact on, as hard as it likes, and knows what is to come: nothing does better.",
+    )
+    sections = (
+        Section("figures", "Limiting performance", plots=study_bound.plots(study)),
+        Section("numbers", "Numbers", tables),
+    )
+    return Page(study.name or "Limiting performance", description, status, sections, notes)
+
+
+def write_bound(study: BoundStudy, folder: Path, *, description: str = "") -> None:
+    """Write page, figures and `bound.json` into an existing folder."""
+    bound_page(study, description=description).write(folder)
+    (folder / "bound.json").write_text(json_text(study.as_json()) + "\n", encoding="utf-8")
+
+
+def front_section(
+    parameters: Mapping[Quantity, Floats],
+    goals: Mapping[Quantity, Floats],
+    *,
+    chosen: int | None = None,
+    limits: Mapping[str, Sequence[Bar]] | None = None,
+    beside: Mapping[str, Mapping[str, float]] | None = None,
+) -> Section:
+    """A Pareto front: every two goals against each other, all on parallel axes, and the designs as a table.
+
+    parameters, goals: columns (R,), SI; chosen: the row that was chosen; limits: by the name of a goal; beside: other designs,
+    by name, with a value for each goal's name.
+    """
+    bars, others = limits or {}, beside or {}
+    names = list(goals)
+    plots = []
+    for i, x in enumerate(names):
+        for y in names[i + 1 :]:
+            near = {name: (of[x.name], of[y.name]) for name, of in others.items()}
+            both = tuple(bars.get(x.name, ())), tuple(bars.get(y.name, ()))
+            plots.append(front_plot(x, y, (goals[x], goals[y]), chosen=chosen, beside=near, limits=both))
+    every = {**parameters, **goals}
+    plots.append(parallel_plot(list(every), list(every.values()), chosen=chosen, title="The front, parameter by parameter"))
+    columns = (Column("Design"), *(Column(quantity.name, quantity.read_in) for quantity in every))
+    order = np.argsort(next(iter(goals.values())))
+    rows = tuple(
+        (f"{k + 1}{' (chosen)' if row == chosen else ''}", *(q.text(float(c[row]), unit=False) for q, c in every.items()))
+        for k, row in enumerate(order)
+    )
+    return Section("front", "Pareto front", (Table("Designs of the front", columns, rows),), tuple(plots))
+
+
+class _Kept:
+    """The results in a folder, and how to get at them."""
+
+    def __init__(self, loaded: LoadedStudy, folder: Path) -> None:
+        self.loaded = loaded
+        self.kind: str = loaded.study.kind
+        self.summary = summary_of(folder)
+        self.results: dict[str, Any] = self.summary.get("results") or {}
+        self.connection = connect(folder)
+        columns = read_manifest(folder)["columns"]
+        self.parameters = [Quantity(c["name"], c["unit"] or "") for c in columns if c["role"] == "parameter"]
+        self.outcomes = [Quantity(c["name"], c["unit"] or "") for c in columns if c["role"] == "outcome"]
+
+    @property
+    def drawn(self) -> list[Quantity]:
+        """The outcomes that are drawn: those with a limit first."""
+        limited = {limit["outcome"] for limit in self.results.get("limits", [])}
+        order = sorted(self.outcomes, key=lambda outcome: outcome.name not in limited)
+        return order[:_MOST_OUTCOMES]
+
+    def bars(self, outcome: Quantity) -> tuple[list[Bar], list[str]]:
+        """The limits on an outcome, and what there is to say of each."""
+        bars, said = [], []
+        for limit in self.results.get("limits", []):
+            if limit["outcome"] == outcome.name:
+                most = limit["most"] is not None
+                bars.append(Bar(float(limit["most"] if most else limit["least"]), most=most))
+                said.append(_probability(limit))
+        return bars, said
+
+    def columns(self, *quantities: Quantity, where: Mapping[str, float] | None = None) -> list[Floats]:
+        """Columns in the order of the rows, (R,) each; NaN where a row has none. Of very many rows, evenly many."""
+        asked = ", ".join(f"CAST({quoted(quantity.name)} AS DOUBLE) AS c{k}" for k, quantity in enumerate(quantities))
+        rules = [f"{quoted(name)} = ?" for name in where or {}]
+        if not rules:
+            rules = [f"row % {max(1, -(-self.summary['rows'] // _MOST_ROWS))} = 0"]
+        sql = f"SELECT {asked} FROM results WHERE {' AND '.join(rules)} ORDER BY row"
+        found = self.connection.execute(sql, list((where or {}).values())).fetchnumpy()
+        return [np.ma.filled(found[f"c{k}"].astype(np.float64), np.nan) for k in range(len(quantities))]
+
+    def levels(self, parameter: Quantity) -> Floats:
+        """The values that a parameter takes, rising, (L,)."""
+        name = quoted(parameter.name)
+        rows = self.connection.execute(f"SELECT DISTINCT {name} FROM results ORDER BY 1").fetchall()
+        return np.array([row[0] for row in rows], dtype=np.float64)
+
+    def notes(self) -> Iterator[str]:
+        """What a reader has to know."""
+        yield from self.summary["remarks"]
+        if len(self.outcomes) > len(self.drawn):
+            yield (
+                f"{len(self.drawn)} of {len(self.outcomes)} outcomes are drawn, those with a limit first; the table has all."
+            )
+        if self.kind != "sweep" and self.summary["rows"] > _MOST_ROWS:
+            yield f"Figures are of {_MOST_ROWS:,} rows at most, evenly taken; the numbers are of all {self.summary['rows']:,}."
+
+
+def _sweep(kept: _Kept) -> Iterator[Section]:
+    levels = {parameter: kept.levels(parameter) for parameter in kept.parameters}
+    varied = sorted((p for p in levels if levels[p].size > 1), key=lambda p: -levels[p].size)[:2]
+    if not varied:
+        return
+    fixed = {p: float(levels[p][levels[p].size // 2]) for p in levels if p not in varied}
+    where = {p.name: value for p, value in fixed.items()}
+    held = f" Held: {', '.join(f'{p.name} {p.text(value)}' for p, value in fixed.items())}." if fixed else ""
+    drawn = kept.drawn
+    columns = kept.columns(*varied, *drawn, where=where or None)
+    if len(varied) == 1:
+        plots = [
+            line_plot(varied[0], outcome, columns[0], column, limits=kept.bars(outcome)[0], held=held)
+            for outcome, column in zip(drawn, columns[1:], strict=True)
+        ]
+        yield Section("figures", "Outcomes over the parameter", plots=tuple(plots))
+        return
+    x, y = varied
+    i, j = np.searchsorted(levels[x], columns[0]), np.searchsorted(levels[y], columns[1])
+    grids = {}
+    for outcome, column in zip(drawn, columns[2:], strict=True):
+        grid = np.full((levels[x].size, levels[y].size), np.nan)
+        grid[i, j] = column
+        grids[outcome] = grid
+    known = [outcome for outcome in drawn if np.isfinite(grids[outcome]).any()]
+    pairs = [(one, other) for k, one in enumerate(known) for other in known[k + 1 :] if _apart(grids[one], grids[other])][:2]
+    carpets = [
+        carpet_plot(x, y, one, other, (levels[x], levels[y]), (grids[one], grids[other]),
+                    limits=(kept.bars(one)[0], kept.bars(other)[0]), held=held)
+        for one, other in pairs
+    ]  # fmt: skip
+    if carpets:
+        yield Section("carpets", "Outcomes against each other", plots=tuple(carpets))
+    maps = [
+        map_plot(x, y, outcome, levels[x], levels[y], grids[outcome].T, limits=kept.bars(outcome)[0], held=held)
+        for outcome in known
+    ]
+    yield Section("maps", "Maps", plots=tuple(maps))
+
+
+def _apart(one: Floats, other: Floats) -> bool:
+    """Whether two outcomes both vary, and not as one."""
+    good = np.isfinite(one) & np.isfinite(other)
+    a, b = one[good], other[good]
+    if a.size < 4 or np.ptp(a) <= 1e-9 * np.abs(a).max() or np.ptp(b) <= 1e-9 * np.abs(b).max():
+        return False
+    return bool(abs(np.corrcoef(a, b)[0, 1]) < 1.0 - 1e-6)
+
+
+def _sample(kept: _Kept) -> Iterator[Section]:
+    spread, rare = [], []
+    for outcome in kept.drawn:
+        (values,) = kept.columns(outcome)
+        if not np.isfinite(values).any():
+            continue
+        bars, said = kept.bars(outcome)
+        found = kept.results.get("outcomes", {}).get(outcome.name, {}).get("quantiles", [])
+        quantiles = {one["share"]: one["value"] for one in found if one["share"] in _SHARES and one["value"] is not None}
+        spread.append(distribution_plot(outcome, values, limits=bars, said=said, quantiles=quantiles))
+        if bars:
+            rare.append(cumulative_plot(outcome, values, limits=bars, said=said))
+    yield Section("distributions", "Distributions", plots=tuple(spread))
+    if rare:
+        yield Section("exceeded", "How often a limit is exceeded", plots=tuple(rare))
+    yield Section("tornado", "What the outcomes go with", plots=tuple(_tornados(kept)))
+
+
+def _sensitivity(kept: _Kept) -> Iterator[Section]:
+    plots = []
+    units = {outcome.name: outcome for outcome in kept.outcomes}
+    names = [outcome.name for outcome in kept.drawn]
+    for name in names:
+        found = kept.results.get("outcomes", {}).get(name, {})
+        if found.get("indices"):
+            first, total = ({i["parameter"]: _interval(i[which]) for i in found["indices"]} for which in ("first", "total"))
+            if all(np.isfinite(one.value) for one in (*first.values(), *total.values())):
+                plots.append(index_plot(name, first, total))
+        if found.get("effects"):
+            sizes = {effect["parameter"]: _interval(effect["mean_size"]) for effect in found["effects"]}
+            deviations = {effect["parameter"]: float(effect["deviation"]) for effect in found["effects"]}
+            plots.append(effect_plot(units[name], sizes, deviations))
+    idle = idle_sentence(kept.results.get("idle", []))
+    if plots:
+        yield Section("indices", f"Sensitivities. {idle}" if idle else "Sensitivities", plots=tuple(plots))
+    yield Section("tornado", "What the outcomes go with", plots=tuple(_tornados(kept)))
+
+
+def _tornados(kept: _Kept) -> Iterator[Plot]:
+    for outcome in kept.drawn:
+        *columns, values = kept.columns(*kept.parameters, outcome)
+        good = np.isfinite(values)
+        if good.sum() >= 20 and np.ptp(values[good]) > 0.0:
+            yield tornado_plot(outcome, dict(zip(kept.parameters, columns, strict=True)), values)
+
+
+def _interval(given: Mapping[str, Any]) -> Interval:
+    return Interval(*(np.nan if given[end] is None else float(given[end]) for end in ("value", "low", "high")))
+
+
+def _probability(limit: Mapping[str, Any]) -> str:
+    """How likely a limit is exceeded, in words; how often, where it was not drawn at random."""
+    found = limit.get("probability")
+    if found is None or found.get("value") is None:
+        return f"{limit['exceeded']:,} of {limit['rows']:,} rows exceed it" if "exceeded" in limit else ""
+    low, high = (100.0 * found[end] for end in ("low", "high"))
+    return f"exceeded by {100.0 * found['value']:.3g} % ({low:.3g} to {high:.3g} %)"
+
+
+def _outcomes(kept: _Kept) -> Table:
+    columns = (
+        Column("Outcome", numeric=False),
+        Column("Unit", numeric=False),
+        Column("Least"),
+        Column("Mean"),
+        Column("Largest"),
+    )
+    rows = []
+    for outcome in kept.outcomes:
+        of = kept.summary["outcomes"][outcome.name]
+        values = tuple("–" if of[key] is None else outcome.text(of[key], unit=False) for key in ("min", "mean", "max"))
+        rows.append((outcome.name, outcome.read_in or "–", *values))
+    return Table(f"{kept.summary['done']:,} rows", columns, tuple(rows))
+
+
+def _limits(kept: _Kept) -> Table:
+    columns = (
+        Column("Outcome", numeric=False),
+        Column("Limit", numeric=False),
+        Column("Exceeded"),
+        Column("Of rows"),
+        Column("Share", "%"),
+        Column("Said", numeric=False),
+    )
+    rows = []
+    units = {outcome.name: outcome for outcome in kept.outcomes}
+    for limit in kept.results.get("limits", []):
+        quantity = units[limit["outcome"]]
+        most = limit["most"] is not None
+        words = Bar(float(limit["most"] if most else limit["least"]), most=most).words(quantity)
+        share = 100.0 * limit["exceeded"] / limit["rows"] if limit["rows"] else None
+        rows.append(
+            (quantity.name, words, f"{limit['exceeded']:,}", f"{limit['rows']:,}", number(share, 2), _probability(limit))
+        )
+    return Table("Limits", columns, tuple(rows))
+
+
+def _failed(kept: _Kept) -> Table:
+    columns = (Column("Rows"), Column("Status", numeric=False), Column("Why", numeric=False))
+    rows = tuple((f"{one['rows']:,}", str(one["status"]), str(one["why"] or "")) for one in kept.summary["failed"])
+    return Table("Rows that failed", columns, rows)

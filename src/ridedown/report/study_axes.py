@@ -1,0 +1,150 @@
+"""What the figures of studies share: quantities in the units that people read, and a limit drawn in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
+
+from ridedown.criteria import STANDARD_GRAVITY
+from ridedown.report.style import INK, PALETTE
+
+Floats = NDArray[np.float64]
+
+_READ: Mapping[str, tuple[str, float]] = {
+    "m": ("mm", 1e3),
+    "s": ("ms", 1e3),
+    "m/s": ("km/h", 3.6),
+    "m/s2": ("g", 1.0 / STANDARD_GRAVITY),
+    "N": ("kN", 1e-3),
+    "N/m": ("kN/m", 1e-3),
+    "N s/m": ("kN s/m", 1e-3),
+    "J": ("kJ", 1e-3),
+    "rad": ("degrees", 180.0 / np.pi),
+}
+"""SI units to those that are drawn, and the factor."""
+
+LIMIT = PALETTE[1]
+"""Colour of a limit, in every figure."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A parameter or an outcome: its name, its SI unit, and how it is read.
+
+    >>> Quantity("adult.excursion.max", "m").label
+    'adult.excursion.max, mm'
+    """
+
+    name: str
+    unit: str = ""
+
+    @property
+    def read_in(self) -> str:
+        """The unit that it is read in; empty for a plain number."""
+        return _READ.get(self.unit, (self.unit, 1.0))[0]
+
+    @property
+    def scale(self) -> float:
+        """What a value in SI is multiplied with."""
+        return _READ.get(self.unit, (self.unit, 1.0))[1]
+
+    @property
+    def label(self) -> str:
+        """Name and unit, as an axis has them."""
+        return f"{self.name}, {self.read_in}" if self.read_in else self.name
+
+    def shown(self, values: ArrayLike) -> Floats:
+        """Values in the unit that is read."""
+        scaled: Floats = self.scale * np.asarray(values, dtype=np.float64)
+        return scaled
+
+    def text(self, value: float, *, unit: bool = True) -> str:
+        """One value in words, to three or four digits.
+
+        >>> Quantity("speed", "m/s").text(13.333)
+        '48 km/h'
+        """
+        text = f"{self.scale * value:.4g}".replace("-", "\u2212")
+        return f"{text} {self.read_in}" if unit and self.read_in else text
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A limit on an outcome, in SI: at most, or at least, so much."""
+
+    value: float
+    most: bool = True
+
+    def broken(self, values: ArrayLike) -> NDArray[np.bool_]:
+        """Which values break it."""
+        given = np.asarray(values, dtype=np.float64)
+        found: NDArray[np.bool_] = given > self.value if self.most else given < self.value
+        return found
+
+    def words(self, quantity: Quantity) -> str:
+        """The limit as it is said."""
+        return f"{'at most' if self.most else 'at least'} {quantity.text(self.value)}"
+
+
+def slug(*parts: str) -> str:
+    """Names as part of a file's name.
+
+    >>> slug("map", "adult.excursion.max")
+    'map-adult-excursion-max'
+    """
+    return re.sub(r"[^a-z0-9]+", "-", "-".join(parts).lower()).strip("-")
+
+
+def limit_upright(axes: Axes, quantity: Quantity, limit: Bar) -> None:
+    """A limit on the horizontal axis, and the side of it that is not allowed."""
+    at = float(quantity.shown(limit.value))
+    low, high = axes.get_xlim()
+    low, high = min(low, at - 0.02 * (high - low)), max(high, at + 0.02 * (high - low))
+    axes.axvspan(*((at, high) if limit.most else (low, at)), color=LIMIT, alpha=0.08, linewidth=0.0)
+    axes.axvline(at, color=LIMIT, linewidth=1.6, label=f"limit, {limit.words(quantity)}")
+    axes.set_xlim(low, high)
+
+
+def limit_level(axes: Axes, quantity: Quantity, limit: Bar) -> None:
+    """The same on the vertical axis."""
+    at = float(quantity.shown(limit.value))
+    low, high = axes.get_ylim()
+    low, high = min(low, at - 0.02 * (high - low)), max(high, at + 0.02 * (high - low))
+    axes.axhspan(*((at, high) if limit.most else (low, at)), color=LIMIT, alpha=0.08, linewidth=0.0)
+    axes.axhline(at, color=LIMIT, linewidth=1.6, label=f"limit, {limit.words(quantity)}")
+    axes.set_ylim(low, high)
+
+
+def done(axes: Axes, *, legend: bool = True) -> Figure:
+    """The figure of axes that are finished; with a legend where there is anything to tell apart."""
+    if legend and len(axes.get_legend_handles_labels()[0]) > 1:
+        axes.legend(loc="best", fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
+    figure = axes.get_figure()
+    assert isinstance(figure, Figure)
+    return figure
+
+
+def note(axes: Axes, text: str, at: tuple[float, float], *, colour: str = INK, ha: str = "left", va: str = "bottom") -> None:
+    """A word beside a place, in the units of the axes."""
+    axes.annotate(
+        text, at, xytext=(4 if ha == "left" else -4, 3 if va == "bottom" else -3), textcoords="offset points",
+        color=colour, fontsize=8.5, ha=ha, va=va,
+        bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
+    )  # fmt: skip
+
+
+def finite(*columns: Floats) -> tuple[Floats, ...]:
+    """Columns without the rows in which any of them has no value."""
+    good = np.all([np.isfinite(column) for column in columns], axis=0)
+    return tuple(column[good] for column in columns)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in a sentence."""
+    return ", ".join(names)

@@ -1,0 +1,164 @@
+"""Figures of a sweep: an outcome over one parameter, a contour map over two, and the carpet that two of them span."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike, NDArray
+
+from ridedown.report.study_axes import LIMIT, Bar, Floats, Quantity, done, finite, limit_level, limit_upright, note, slug
+from ridedown.report.style import PALETTE, Plot, draw_line, new_axes
+
+_LEVELS = 9  # contours
+_LINES = 7  # lines of a carpet each way; levels in between are left out
+_MAP = "cividis"  # even to the eye, with or without colour vision, and in grey
+
+
+def line_plot(
+    parameter: Quantity, outcome: Quantity, values: ArrayLike, results: ArrayLike, *, limits: Sequence[Bar] = (), held: str = ""
+) -> Plot:
+    """An outcome against the one parameter that varies: values and results (R,), SI."""
+    x, y = finite(np.asarray(values, dtype=np.float64), np.asarray(results, dtype=np.float64))
+    order = np.argsort(x)
+    x, y = x[order], y[order]
+    axes = new_axes(f"{outcome.name} over {parameter.name}", xlabel=parameter.label, ylabel=outcome.label)
+    draw_line(axes, parameter.shown(x), outcome.shown(y), label=outcome.name, index=0)
+    if x.size <= 60:
+        axes.plot(parameter.shown(x), outcome.shown(y), "o", color=PALETTE[0], markersize=3.5)
+    low, high = int(np.argmin(y)), int(np.argmax(y))
+    for limit in limits:
+        limit_level(axes, outcome, limit)
+    said = (
+        f"{outcome.label} against {parameter.label}. Least {outcome.text(y[low])} at {parameter.text(x[low])}, "
+        f"largest {outcome.text(y[high])} at {parameter.text(x[high])}."
+    )
+    return Plot(slug("line", outcome.name), axes.get_title(loc="left"), said + _kept(outcome, y, limits) + held, done(axes))
+
+
+def map_plot(
+    x: Quantity,
+    y: Quantity,
+    outcome: Quantity,
+    columns: ArrayLike,
+    rows: ArrayLike,
+    grid: ArrayLike,
+    *,
+    limits: Sequence[Bar] = (),
+    held: str = "",
+) -> Plot:
+    """A contour map of an outcome over two parameters: columns (X,), rows (Y,), grid (Y, X), SI; NaN where a row failed.
+
+    A limit is a thick line, and what breaks it is hatched.
+    """
+    across, up = x.shown(columns), y.shown(rows)
+    values = np.ma.masked_invalid(outcome.shown(grid))
+    axes = new_axes(f"{outcome.name}", xlabel=x.label, ylabel=y.label)
+    axes.grid(visible=False)
+    flat = bool(np.ptp(values.compressed()) == 0.0) if values.count() else True
+    if not flat:
+        filled = axes.contourf(across, up, values, levels=_LEVELS, cmap=_MAP)
+        lines = axes.contour(across, up, values, levels=filled.levels, colors="white", linewidths=0.6)
+        labels = axes.clabel(lines, fontsize=8.0, fmt="%.4g", colors="black")
+        for label in labels:
+            label.set_bbox({"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8})
+        figure = axes.get_figure()
+        assert figure is not None
+        axes.set_position((0.105, 0.125, 0.745, 0.765))
+        place = figure.add_axes((0.875, 0.125, 0.022, 0.765))
+        bar = figure.colorbar(filled, cax=place)
+        bar.set_label(outcome.label, fontsize=9.0)
+        bar.ax.tick_params(labelsize=8.0)
+        for limit in limits:
+            _draw_limit(axes, across, up, values, float(outcome.shown(limit.value)), most=limit.most)
+        if limits:
+            words = "; ".join(limit.words(outcome) for limit in limits)
+            axes.set_title(f"limit {words}; beyond is hatched", loc="right", fontsize=8.5, fontweight="normal", color=LIMIT)
+    plain = np.asarray(grid, dtype=np.float64)
+    said = f"{outcome.label} over {x.label} and {y.label}."
+    if not flat:
+        j, i = np.unravel_index(int(np.nanargmin(plain)), plain.shape)
+        at = np.asarray(columns)[i], np.asarray(rows)[j]
+        least, largest = outcome.text(plain[j, i]), outcome.text(float(np.nanmax(plain)))
+        said += f" Least {least} at {x.text(at[0])} and {y.text(at[1])}, largest {largest}."
+    else:
+        said += f" The same everywhere: {outcome.text(float(np.nanmean(plain)))}." if values.count() else " No row has it."
+    return Plot(slug("map", outcome.name), f"Map of {outcome.name}", said + _kept(outcome, plain, limits) + held, done(axes))
+
+
+def _draw_limit(axes: Axes, across: Floats, up: Floats, values: Any, level: float, *, most: bool) -> None:
+    low, high = float(values.min()), float(values.max())
+    beyond = [level, max(high, level) + 1.0] if most else [min(low, level) - 1.0, level]
+    if (high > level) if most else (low < level):
+        axes.contourf(across, up, values, levels=beyond, colors="none", hatches=["///"])
+    if low < level < high:
+        axes.contour(across, up, values, levels=[level], colors=[LIMIT], linewidths=2.6)
+
+
+def carpet_plot(
+    one: Quantity,
+    other: Quantity,
+    x: Quantity,
+    y: Quantity,
+    levels: tuple[ArrayLike, ArrayLike],
+    grids: tuple[ArrayLike, ArrayLike],
+    *,
+    limits: tuple[Sequence[Bar], Sequence[Bar]] = ((), ()),
+    held: str = "",
+) -> Plot:
+    """Two outcomes against each other, with lines along which one parameter, and the other, stays the same.
+
+    levels: of the parameters, (I,) and (J,); grids: of the outcomes x and y, (I, J) each, SI. limits: on x, and on y.
+    """
+    first, second = (np.asarray(level, dtype=np.float64) for level in levels)
+    across, up = x.shown(grids[0]), y.shown(grids[1])
+    axes = new_axes(f"{y.name} against {x.name}", xlabel=x.label, ylabel=y.label)
+    rows, columns = _some(first.size), _some(second.size)
+    along = [(across[i], up[i]) for i in rows], [(across[:, j], up[:, j]) for j in columns]
+    for n, (quantity, lines, values) in enumerate(zip((one, other), along, (first[rows], second[columns]), strict=True)):
+        last = _spread([(x[-1], y[-1]) for x, y in lines]) >= _spread([(x[0], y[0]) for x, y in lines])
+        for k, ((line_x, line_y), value) in enumerate(zip(lines, values, strict=True)):
+            draw_line(axes, line_x, line_y, label=f"same {quantity.name}" if k == 0 else "_", index=2 * n, dash=n)
+            _tag(axes, line_x, line_y, quantity.text(value, unit=k == len(lines) // 2), PALETTE[2 * n], last=bool(last))
+    axes.margins(0.12)
+    axes.autoscale_view()
+    for limit in limits[0]:
+        limit_upright(axes, x, limit)
+    for limit in limits[1]:
+        limit_level(axes, y, limit)
+    broken = np.zeros(across.shape, dtype=np.bool_)
+    for grid, bars in zip(grids, limits, strict=True):
+        for limit in bars:
+            broken |= limit.broken(grid)
+    said = f"{y.label} against {x.label}, along lines of equal {one.label} (solid) and equal {other.label} (dashed)."
+    if any(limits):
+        known = np.isfinite(across) & np.isfinite(up)
+        said += f" {int((known & ~broken).sum())} of {int(known.sum())} designs keep to the limits, which are drawn in."
+    return Plot(slug("carpet", y.name, x.name), axes.get_title(loc="left"), said + held, done(axes))
+
+
+def _some(count: int) -> NDArray[np.int64]:
+    return np.unique(np.linspace(0, count - 1, min(count, _LINES)).round().astype(np.int64))
+
+
+def _spread(ends: Sequence[tuple[float, float]]) -> float:
+    """How far apart ends of lines lie, least first: what there is room for."""
+    places = np.array(ends)
+    return float(np.nanmin(np.hypot(*np.diff(places, axis=0).T))) if len(ends) > 1 else 0.0
+
+
+def _tag(axes: Axes, x: Floats, y: Floats, text: str, colour: str, *, last: bool) -> None:
+    good = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+    if good.size:
+        k = good[-1] if last else good[0]
+        note(axes, text, (float(x[k]), float(y[k])), colour=colour, va="bottom" if last else "top")
+
+
+def _kept(outcome: Quantity, values: Floats, limits: Sequence[Bar]) -> str:
+    known = values[np.isfinite(values)]
+    return "".join(
+        f" Limit, {limit.words(outcome)}: {int((~limit.broken(known)).sum()):,} of {known.size:,} rows keep to it."
+        for limit in limits
+    )

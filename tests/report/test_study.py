@@ -1,0 +1,123 @@
+"""The page of a study: whole, by itself, and of what is in the folder."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from ridedown import load
+from ridedown.report import study as report
+from ridedown.report.study_axes import Bar, Quantity
+from ridedown.studies import run_study
+from ridedown.studies.bound import Design, bound_study
+from ridedown.studies.study import load_study
+from ridedown.studies.summary import summary_of
+
+OUTCOMES = ["adult.excursion.max", "adult.acceleration.peak"]
+STIFFNESS = {"path": "adult.restraint.stiffness", "values": ["40 kN/m", "60 kN/m", "98.1 kN/m"]}
+RATIO = {"path": "adult.restraint.damping_ratio", "values": [0.1, 0.3, 0.5, 0.9]}
+SPEED = {"path": "pulse.delta_v", "values": ["40 km/h", "50 km/h", "56 km/h"]}
+
+
+def run(folder, *parameters):
+    loaded = load_study({"kind": "sweep", "scenario": "sled-half-sine", "outcomes": OUTCOMES, "parameters": list(parameters)})
+    return loaded, run_study(loaded, folder / "results")
+
+
+def check_alone(html):
+    """Nothing is fetched, every figure has words, every link of the page leads somewhere."""
+    assert not re.search(r'(?:src|href)="(?!data:|#)', html)
+    assert "http" not in re.sub(r"data:[^\"]*", "", html)
+    assert all(len(alt) > 20 for alt in re.findall(r'alt="([^"]*)"', html))
+    for anchor in re.findall(r'href="#([^"]+)"', html):
+        assert f'id="{anchor}"' in html
+
+
+def test_a_sweep_of_two_parameters_has_maps_and_carpets(tmp_path):
+    loaded, folder = run(tmp_path, STIFFNESS, RATIO)
+    page = report.page_of(loaded, folder)
+    assert [section.anchor for section in page.sections] == ["carpets", "maps", "outcomes"]
+    assert [len(section.plots) for section in page.sections] == [1, 2, 0]
+    page.write(folder)
+    html = (folder / "index.html").read_text(encoding="utf-8")
+    check_alone(html)
+    assert html == report.page_of(loaded, folder).html()  # the same bytes each time
+    assert {path.name for path in (folder / "figures").iterdir()} == {f"{p.name}.svg" for s in page.sections for p in s.plots}
+
+
+def test_a_sweep_of_one_parameter_has_lines(tmp_path):
+    loaded, folder = run(tmp_path, STIFFNESS)
+    figures, _ = report.page_of(loaded, folder).sections
+    np.testing.assert_allclose(figures.plots[0].figure.axes[0].lines[0].get_xdata(), [40.0, 60.0, 98.1])
+
+
+def test_a_sweep_of_three_parameters_holds_one_and_says_so(tmp_path):
+    loaded, folder = run(tmp_path, SPEED, STIFFNESS, RATIO)
+    plots = [plot for section in report.page_of(loaded, folder).sections for plot in section.plots]
+    assert plots
+    assert all("Held: " in plot.description for plot in plots)
+
+
+def test_limits_are_drawn_and_counted(tmp_path, monkeypatch):
+    loaded, folder = run(tmp_path, STIFFNESS, RATIO)
+    limit = {"outcome": "adult.excursion.max", "most": 0.25, "least": None, "rule": "", "exceeded": 5, "rows": 12, "failed": 0}
+    summary = {**summary_of(folder), "results": {"kind": "sweep", "limits": [limit]}}
+    monkeypatch.setattr(report, "summary_of", lambda _folder: summary)
+    html = report.page_of(loaded, folder).html()
+    assert "Limit, at most 250 mm" in html
+    assert "5 of 12 rows exceed it" in html
+    check_alone(html)
+
+
+def kept_of_kind(tmp_path, monkeypatch, kind, results):
+    loaded, folder = run(tmp_path, SPEED, {**STIFFNESS, "values": np.linspace(4e4, 1e5, 8).tolist()})
+    summary = {**summary_of(folder), "results": results}
+    monkeypatch.setattr(report, "summary_of", lambda _folder: summary)
+    object.__setattr__(loaded.study, "kind", kind)
+    return report.page_of(loaded, folder)
+
+
+def estimate(value):
+    return {"value": value, "low": 0.9 * value, "high": 1.1 * value, "confidence": 0.95}
+
+
+def test_a_sample_has_distributions_with_the_probability(tmp_path, monkeypatch):
+    limit = {"outcome": "adult.excursion.max", "most": 0.25, "least": None, "exceeded": 5, "rows": 24, "failed": 0}
+    limit["probability"] = estimate(0.2)
+    quantiles = [{"share": share, **estimate(0.2 + 0.1 * share)} for share in (0.05, 0.25, 0.5, 0.95)]
+    results = {"limits": [limit], "outcomes": {"adult.excursion.max": {"quantiles": quantiles}}}
+    page = kept_of_kind(tmp_path, monkeypatch, "sample", results)
+    assert [section.anchor for section in page.sections] == ["distributions", "exceeded", "tornado", "outcomes"]
+    assert "exceeded by 20 % (18 to 22 %)" in page.html()
+    assert "5 % are at most 205 mm." in page.sections[0].plots[0].description
+    assert "25 %" not in page.sections[0].plots[0].description
+    check_alone(page.html())
+
+
+@pytest.mark.parametrize("method", ["sobol", "morris"])
+def test_sensitivities_have_bars_and_a_tornado(tmp_path, monkeypatch, method):
+    indices = [{"parameter": name, "first": estimate(0.3), "total": estimate(0.4)} for name in ("a", "b")]
+    effects = [{"parameter": name, "mean_size": estimate(0.05), "deviation": 0.01} for name in ("a", "b")]
+    of = {"indices": indices} if method == "sobol" else {"effects": effects}
+    results = {"method": method, "outcomes": {"adult.excursion.max": of}, "idle": ["b"]}
+    page = kept_of_kind(tmp_path, monkeypatch, "sensitivity", results)
+    assert [section.anchor for section in page.sections] == ["indices", "tornado", "outcomes"]
+    assert page.sections[0].title == "Sensitivities. Without any effect: b."
+    check_alone(page.html())
+
+
+def test_a_bound_is_written_with_its_numbers(tmp_path):
+    study = bound_study(load("sled-half-sine"), np.linspace(0.1, 0.4, 4), designs=[Design("belt", 300.0, 0.25)], name="Least")
+    report.write_bound(study, tmp_path)
+    check_alone((tmp_path / "index.html").read_text(encoding="utf-8"))
+    assert json.loads((tmp_path / "bound.json").read_text(encoding="utf-8"))["peaks_m_s2"] == study.peaks.tolist()
+
+
+def test_a_front_has_a_table_in_order_and_its_chosen_design():
+    goals = {Quantity("x", "m"): np.array([0.3, 0.2]), Quantity("y", "m/s2"): np.array([200.0, 300.0])}
+    section = report.front_section({Quantity("k", "N/m"): np.array([5e4, 9e4])}, goals, chosen=0, limits={"x": [Bar(0.35)]})
+    assert [plot.name for plot in section.plots] == ["front-y-x", "parallel"]
+    assert section.tables[0].rows == (("1", "90", "200", "30.59"), ("2 (chosen)", "50", "300", "20.39"))

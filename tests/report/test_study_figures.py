@@ -1,0 +1,205 @@
+"""Figures of studies: what is drawn is what was given, in the units that are written, and what is said holds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+
+from ridedown import load
+from ridedown.report import study_bound
+from ridedown.report.study_axes import LIMIT, Bar, Quantity
+from ridedown.report.study_optimise import front_plot, parallel_plot
+from ridedown.report.study_sample import cumulative_plot, distribution_plot
+from ridedown.report.study_sensitivity import Interval, effect_plot, index_plot, tornado_plot
+from ridedown.report.study_sweep import carpet_plot, line_plot, map_plot
+from ridedown.studies.bound import Design, bound_study
+
+STIFFNESS, RATIO = Quantity("stiffness", "N/m"), Quantity("ratio", "")
+WAY, PEAK = Quantity("excursion", "m"), Quantity("peak", "m/s2")
+G = 9.80665
+
+
+def axes_of(plot):
+    return plot.figure.axes[0]
+
+
+def labels_of(plot):
+    return axes_of(plot).get_legend_handles_labels()[1]
+
+
+def grids():
+    k, z = np.linspace(20e3, 100e3, 9), np.linspace(0.1, 0.9, 5)
+    stiff, damped = np.meshgrid(k, z, indexing="ij")
+    return k, z, 100.0 / np.sqrt(stiff), G * (10.0 + stiff / 5e3 + 3.0 * damped)
+
+
+# sweep
+
+
+def test_line_is_in_order_and_in_its_units():
+    plot = line_plot(STIFFNESS, WAY, [3e4, 1e4, 2e4, 4e4], [0.2, 0.4, 0.3, np.nan], limits=[Bar(0.25)])
+    x, y = axes_of(plot).lines[0].get_data()
+    np.testing.assert_allclose(x, [10.0, 20.0, 30.0])
+    np.testing.assert_allclose(y, [400.0, 300.0, 200.0])
+    assert "Least 200 mm at 30 kN/m, largest 400 mm at 10 kN/m." in plot.description
+    assert "Limit, at most 250 mm: 1 of 3 rows keep to it." in plot.description
+    assert axes_of(plot).get_xlabel() == "stiffness, kN/m"
+
+
+def test_map_says_where_the_least_is_and_draws_the_limit():
+    k, z, way, _ = grids()
+    plot = map_plot(STIFFNESS, RATIO, WAY, k, z, way.T, limits=[Bar(0.5)])
+    assert "Least 316.2 mm at 100 kN/m" in plot.description
+    assert f"{int((way <= 0.5).sum())} of 45 rows keep to it" in plot.description
+    assert "limit at most 500 mm; beyond is hatched" in axes_of(plot).get_title(loc="right")
+    drawn = [c for c in axes_of(plot).collections if any(to_hex(e) == LIMIT.lower() for e in np.atleast_2d(c.get_edgecolor()))]
+    assert drawn  # a line in the limit's colour
+    assert plot.figure.axes[1].get_ylabel() == "excursion, mm"
+
+
+@pytest.mark.parametrize("value", [0.3, np.nan])
+def test_a_map_of_nothing_that_varies_is_no_error(value):
+    plot = map_plot(STIFFNESS, RATIO, WAY, [1e4, 2e4], [0.1, 0.2], np.full((2, 2), value), limits=[Bar(0.2)])
+    assert ("The same everywhere: 300 mm" in plot.description) or ("No row has it" in plot.description)
+
+
+def test_failed_rows_leave_a_hole_in_a_map():
+    k, z, way, _ = grids()
+    way[0, 0] = np.nan
+    plot = map_plot(STIFFNESS, RATIO, WAY, k, z, way.T)
+    assert len(plot.svg) > 1000
+    assert f"largest {WAY.text(float(np.nanmax(way)))}" in plot.description
+
+
+def test_carpet_has_a_line_for_each_level_both_ways():
+    k, z, way, peak = grids()
+    plot = carpet_plot(STIFFNESS, RATIO, WAY, PEAK, (k, z), (way, peak), limits=([Bar(0.5)], [Bar(25.0 * G)]))
+    lines = [line for line in axes_of(plot).lines if len(line.get_xdata()) > 2]
+    assert len(lines) == 7 + 5  # of nine levels seven are drawn
+    np.testing.assert_allclose(lines[0].get_xdata(), 1e3 * way[0])
+    np.testing.assert_allclose(lines[-1].get_ydata(), peak[:, -1] / G)
+    kept = int(((way <= 0.5) & (peak <= 25.0 * G)).sum())
+    assert f"{kept} of 45 designs keep to the limits" in plot.description
+    assert labels_of(plot)[:2] == ["same stiffness", "same ratio"]
+
+
+# sample
+
+
+def test_distribution_has_area_one_and_marks_what_breaks_the_limit():
+    values = np.random.default_rng(1).normal(0.3, 0.02, 50_000)
+    said = ["exceeded by 2.3 % (2.2 to 2.4 %)"]
+    plot = distribution_plot(WAY, values, limits=[Bar(0.34)], said=said, quantiles={0.5: 0.3})
+    bars = axes_of(plot).patches
+    assert sum(bar.get_height() * bar.get_width() for bar in bars) == pytest.approx(1.0, abs=2e-3)
+    for bar in bars:
+        assert (to_hex(bar.get_facecolor()) == LIMIT.lower()) == (bar.get_x() >= 340.0)
+    assert "exceeded by 2.3 % (2.2 to 2.4 %)" in plot.description
+    assert "50 % are at most 300 mm." in plot.description
+    assert any("exceeded by 2.3 %" in text.get_text() for text in axes_of(plot).texts)
+
+
+def test_cumulative_counts_the_rows_above():
+    values = np.arange(1.0, 1001.0) / 1e3
+    plot = cumulative_plot(WAY, values, limits=[Bar(0.9)])
+    x, share = (np.asarray(data) for data in axes_of(plot).lines[0].get_data())
+    np.testing.assert_allclose(share, 1.0 - x / 1001.0, rtol=1e-12)
+    assert axes_of(plot).get_yscale() == "log"
+    plot.figure.canvas.draw()
+    assert "10 %" in [label.get_text() for label in axes_of(plot).get_yticklabels()]
+
+
+@pytest.mark.parametrize("values", [[], [np.nan], [0.3, 0.3, 0.3]])
+def test_a_distribution_of_nothing_is_no_error(values):
+    assert distribution_plot(WAY, values, limits=[Bar(0.2)]).svg
+    assert cumulative_plot(WAY, values, limits=[Bar(0.2)]).svg
+
+
+# sensitivity
+
+
+def test_indices_are_in_order_with_their_intervals():
+    first = {"a": Interval(0.2, 0.15, 0.25), "b": Interval(0.6, 0.55, 0.65)}
+    total = {"a": Interval(0.3, 0.25, 0.4), "b": Interval(0.7, 0.6, 0.8)}
+    plot = index_plot("chest", first, total)
+    assert [label.get_text() for label in axes_of(plot).get_yticklabels()] == ["b", "a"]
+    assert [bar.get_width() for bar in axes_of(plot).patches] == [0.7, 0.3, 0.6, 0.2]
+    low, high = axes_of(plot).collections[0].get_segments()[1][:, 0]
+    assert (low, high) == pytest.approx((0.25, 0.4))
+    assert "b total 0.700, first 0.600" in plot.description
+
+
+def test_effects_are_in_the_units_of_the_outcome():
+    plot = effect_plot(WAY, {"a": Interval(0.1, 0.08, 0.12)}, {"a": 0.03})
+    assert axes_of(plot).patches[0].get_width() == pytest.approx(100.0)
+    deviation = next(line for line in axes_of(plot).lines if line.get_marker() == "D")
+    assert deviation.get_xdata()[0] == pytest.approx(30.0)
+
+
+def test_tornado_compares_the_ends_of_each_parameter():
+    rng = np.random.default_rng(3)
+    strong, weak = rng.uniform(0.0, 1.0, 40_000), rng.uniform(0.0, 1.0, 40_000)
+    plot = tornado_plot(WAY, {Quantity("weak"): weak, Quantity("strong"): strong}, strong + 0.1 * weak)
+    assert [label.get_text() for label in axes_of(plot).get_yticklabels()] == ["strong", "weak"]
+    widths = [bar.get_width() for bar in axes_of(plot).patches]
+    np.testing.assert_allclose(widths, [-450.0, 450.0, -45.0, 45.0], atol=12.0)  # means of tenths, and of 4000 rows each
+
+
+def test_many_parameters_are_cut_and_that_is_said():
+    total = {f"p{i}": Interval(i / 20, i / 20, i / 20) for i in range(20)}
+    plot = index_plot("chest", total, total)
+    assert len(axes_of(plot).get_yticks()) == 15
+    assert "The 15 largest of 20." in plot.description
+
+
+# optimise
+
+
+def test_front_shows_the_chosen_and_the_built():
+    points = [0.2, 0.3, 0.4], [300.0, 250.0, 220.0]
+    plot = front_plot(WAY, PEAK, points, chosen=1, beside={"as built": (0.35, 290.0)}, bound=([0.2, 0.4], [150.0, 100.0]))
+    assert labels_of(plot) == ["front", "no restraint can do better", "as built", "chosen"]
+    chosen = next(line for line in axes_of(plot).lines if line.get_label() == "chosen")
+    assert (chosen.get_xdata()[0], chosen.get_ydata()[0]) == pytest.approx((300.0, 250.0 / G))
+    assert "Chosen: 300 mm, 25.49 g." in plot.description
+
+
+def test_parallel_axes_go_from_the_least_to_the_largest():
+    columns = [np.array([1e4, 3e4, 2e4]), np.array([0.5, 0.5, 0.5]), np.array([0.3, 0.1, 0.2])]
+    plot = parallel_plot([STIFFNESS, RATIO, WAY], columns, chosen=1)
+    lines = [line for line in axes_of(plot).lines if len(line.get_xdata()) == 3]
+    assert len(lines) == 4
+    np.testing.assert_allclose(lines[-1].get_ydata(), [1.0, 0.5, 0.0])
+    texts = [text.get_text() for text in axes_of(plot).texts]
+    assert {"10 kN/m", "30 kN/m", "100 mm", "300 mm"} <= set(texts)
+
+
+# bound
+
+
+@pytest.fixture(scope="module")
+def bound():
+    return bound_study(load("sled-half-sine"), np.linspace(0.05, 0.4, 8), designs=[Design("belt", 300.0, 0.25)])
+
+
+def test_bound_curve_has_the_design_above_it(bound):
+    plot = study_bound.curve_plot(bound)
+    np.testing.assert_allclose(axes_of(plot).lines[0].get_ydata(), bound.peaks / G)
+    assert labels_of(plot) == ["least possible", "the same with no seat behind", "belt", "OLC"]
+    assert f"{100 * bound.gaps[0].ratio:.0f} %" in plot.description
+
+
+def test_ideal_history_never_passes_the_bound(bound):
+    plot = study_bound.history_plot(bound)
+    vehicle, occupant = (np.asarray(line.get_ydata()) for line in axes_of(plot).lines[:2])
+    assert occupant.max() == pytest.approx(bound.ideal.peak_g, rel=1e-12)
+    assert vehicle.max() > occupant.max()
+    place = np.asarray(axes_of(study_bound.excursion_plot(bound)).lines[0].get_ydata())
+    assert place.max() <= 250.0 + 1e-6
+
+
+def test_tables_of_a_bound(bound):
+    (row,) = study_bound.table(bound).rows
+    assert row[:3] == ("belt", "30.6", "250")
+    assert len(study_bound.curve_table(bound).rows) == 8
