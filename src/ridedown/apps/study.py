@@ -17,6 +17,7 @@ import pyarrow.csv
 import typer
 
 from ridedown.apps import show
+from ridedown.criteria import STANDARD_GRAVITY
 from ridedown.errors import InvalidInput
 from ridedown.report.tables import Column, Table
 from ridedown.studies.execution import Progress, Stopped, run_plan
@@ -117,6 +118,19 @@ def _show(loaded: LoadedStudy, summary: dict[str, Any], folder: Path) -> None:
     for remark in summary["remarks"]:
         show.note(remark)
     show.console().print()
+    if "bound" in (summary["results"] or {}):
+        _show_bound(summary["results"]["bound"])
+    else:
+        _show_rows(summary)
+    failed = tuple((f"{one['rows']:,}", one["status"], one["why"] or "") for one in summary["failed"])
+    show.tables(
+        Table("Rows that failed", (Column("Rows"), Column("Status", numeric=False), Column("Why", numeric=False)), failed)
+    )
+    show.note(f'Kept in {folder}: ridedown query {folder} "SELECT * FROM results LIMIT 5"')
+
+
+def _show_rows(summary: dict[str, Any]) -> None:
+    """Print the reach of every outcome, and what the study says."""
     columns = (
         Column("Outcome", numeric=False),
         Column("Unit", numeric=False),
@@ -132,11 +146,6 @@ def _show(loaded: LoadedStudy, summary: dict[str, Any], folder: Path) -> None:
         _show_results(summary["results"])
         if "method" in summary["results"]:
             _show_sensitivity(summary["results"])
-    failed = tuple((f"{one['rows']:,}", one["status"], one["why"] or "") for one in summary["failed"])
-    show.tables(
-        Table("Rows that failed", (Column("Rows"), Column("Status", numeric=False), Column("Why", numeric=False)), failed)
-    )
-    show.note(f'Kept in {folder}: ridedown query {folder} "SELECT * FROM results LIMIT 5"')
 
 
 def _show_results(results: dict[str, Any]) -> None:
@@ -170,6 +179,41 @@ def _show_sensitivity(results: dict[str, Any]) -> None:
             rows.append((index["parameter"], *cells, *([] if sobol else [_cell(index[other])])))
         columns = (Column("Parameter", numeric=False), *(Column(head) for head in heads))
         show.tables(Table(f"{'Sobol indices' if sobol else 'Elementary effects'} of {name}", columns, tuple(rows)))
+
+
+def _show_bound(bound: dict[str, Any]) -> None:
+    """Print the least peaks, the ideal history, and the designs beside them."""
+    curve = zip(bound["excursions_m"], bound["peaks_m_s2"], bound["peaks_without_seat_m_s2"], strict=True)
+    columns = (Column("Excursion", "mm"), Column("Least peak", "g"), Column("With no seat behind", "g"))
+    rows = tuple((_mm(x), *(f"{y / STANDARD_GRAVITY:.2f}" for y in peaks)) for x, *peaks in curve)
+    show.tables(Table("The least peak that any restraint could give", columns, rows))
+    ideal = bound["ideal"]
+    columns = (Column("The ideal restraint", numeric=False), Column("From", "ms"))
+    stages = tuple((stage["does"], f"{1e3 * stage['start_s']:.1f}") for stage in ideal["stages"])
+    peak = ideal["peak_m_s2"] / STANDARD_GRAVITY
+    show.tables(Table(f"{peak:.2f} g within {_mm(ideal['excursion_m'])} mm", columns, stages))
+    columns = (
+        Column("Design", numeric=False), Column("Peak", "g"), Column("Excursion", "mm"), Column("Least peak there", "g"),
+        Column("Least over peak", "%"), Column("Least excursion for its peak", "mm"),
+    )  # fmt: skip
+    designs = tuple(
+        (
+            one["name"],
+            f"{one['peak_m_s2'] / STANDARD_GRAVITY:.2f}",
+            _mm(one["excursion_m"]),
+            f"{one['bound_m_s2'] / STANDARD_GRAVITY:.2f}",
+            f"{100.0 * one['ratio']:.0f}",
+            _mm(one["least_excursion_m"]),
+        )
+        for one in bound["designs"]
+    )
+    show.tables(Table("Designs beside the bound", columns, designs))
+    if bound["olc_m_s2"] is not None:
+        show.note(f"OLC of the pulse: {bound['olc_m_s2'] / STANDARD_GRAVITY:.2f} g.")
+
+
+def _mm(metres: float) -> str:
+    return f"{1e3 * metres:.0f}"
 
 
 def _how_to_go_on(file: str, out: Path | None) -> str:

@@ -15,6 +15,7 @@ from typing import Any
 
 from ridedown.errors import InvalidInput
 from ridedown.simulation import workers
+from ridedown.studies.bounding import LeastPeaks
 from ridedown.studies.effects import remarks_on
 from ridedown.studies.plan import Plan, plan_of
 from ridedown.studies.results import limits_of, results_of
@@ -91,9 +92,9 @@ def run_plan(
 ) -> Path:
     """Compute what is missing of a plan and keep it. See `run_study`."""
     count = workers(threads)
-    limits_of(loaded.study, plan.function.units)  # what is wrong with them is said before the first crash
+    _check(loaded, plan)
     with Store.opened(folder, loaded, plan, resume=resume) as store:
-        store.remark(partial(remarks_on, plan))
+        store.remark(list if isinstance(plan.function, LeastPeaks) else partial(remarks_on, plan))
         missing = store.missing()
         before = plan.rows - sum(stop - start for start, stop in map(plan.span, missing))
         progress = Progress(plan.rows, before, 0, 0)
@@ -113,6 +114,13 @@ def run_plan(
             computed.close()
         store.finish(results_of(loaded, plan, folder))
     return folder
+
+
+def _check(loaded: LoadedStudy, plan: Plan) -> None:
+    """Have what is wrong with a study said before the first row, and before anything is written."""
+    limits_of(loaded.study, plan.function.units)
+    if isinstance(plan.function, LeastPeaks):
+        plan.function.check()
 
 
 def compute(plan: Plan, chunk: int) -> Computed:

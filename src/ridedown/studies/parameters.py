@@ -135,7 +135,7 @@ def _resolved(where: str, parameter: StudyParameter, known: Mapping[str, Mapping
     if parameter.values is not None:
         levels = np.array([_value(f"{where}.values.{i}", value, found) for i, value in enumerate(parameter.values)])
     elif parameter.grid is not None:
-        levels = _grid(where, parameter.grid, found)
+        levels = grid_levels(f"{where}.grid", parameter.grid, found)
     elif parameter.range is not None:
         low, high = (_value(f"{where}.range.{i}", value, found) for i, value in enumerate(parameter.range))
         if not low < high:
@@ -168,14 +168,15 @@ def _value(where: str, given: Any, allowed: list[Quantity]) -> float:
     return values[0]
 
 
-def _grid(where: str, grid: Grid, allowed: list[Quantity]) -> Floats:
-    start, stop = _value(f"{where}.grid.start", grid.start, allowed), _value(f"{where}.grid.stop", grid.stop, allowed)
+def grid_levels(where: str, grid: Grid, allowed: list[Quantity]) -> Floats:
+    """The values of a grid in SI, (count,), each of which all these quantities may hold. Raises: InvalidInput."""
+    start, stop = _value(f"{where}.start", grid.start, allowed), _value(f"{where}.stop", grid.stop, allowed)
     if start == stop:
-        raise InvalidInput(f"{where}.grid.stop: got {stop:g}, as start; need another value. For a single one write values.")
+        raise InvalidInput(f"{where}.stop: got {stop:g}, as start; need another value. For a single one write values.")
     if grid.spacing == "linear":
         return np.linspace(start, stop, grid.count)
     if not (start > 0.0 and stop > 0.0):
-        raise InvalidInput(f'{where}.grid.start: got {min(start, stop):g}; need > 0 for spacing = "log". Start above zero.')
+        raise InvalidInput(f'{where}.start: got {min(start, stop):g}; need > 0 for spacing = "log". Start above zero.')
     levels = np.exp(np.linspace(math.log(start), math.log(stop), grid.count))
     levels[[0, -1]] = start, stop
     return levels

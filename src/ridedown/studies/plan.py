@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
+from ridedown.studies.bounding import EXCURSION, LeastPeaks
 from ridedown.studies.crashes import Evaluator, Rows
 from ridedown.studies.designs import Design as Points
 from ridedown.studies.designs import Variables
@@ -151,6 +152,9 @@ def plan_of(loaded: LoadedStudy) -> Plan:
     Raises: InvalidInput, UnknownName for what does not fit the scenarios.
     """
     study = loaded.study
+    if study.bound is not None:
+        least = LeastPeaks.of(loaded.scenarios[""], study.bound)
+        return Plan(loaded.hash, {EXCURSION: "m"}, Listed({EXCURSION: least.excursions}), least)
     parameters = resolve(study.parameters, loaded.scenarios)
     function = Evaluator.of(loaded.scenarios, parameters, study.outcomes, weights=loaded.weights, step=study.step)
     design = _design(study, parameters)

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.quantities import Refused, read
+from ridedown.studies.bound import BoundStudy
+from ridedown.studies.bounding import OPEN, PEAK, LeastPeaks
 from ridedown.studies.evaluation import Estimate, Limit
 from ridedown.studies.parameters import resolve
 from ridedown.studies.plan import Drawn, Listed, Plan, variables_of
@@ -67,6 +69,7 @@ def results_of(loaded: LoadedStudy, plan: Plan, folder: Path) -> dict[str, Any]:
 
     `limits`: for each, its rule in words, how many rows exceed it, of how many. Of a sample its probability with an interval,
     and `outcomes`: mean, deviation and quantiles with theirs. Of a sensitivity study `outcomes`: indices or effects.
+    Of a bound `bound`, as `BoundStudy.as_json` has it.
     """
     limits = limits_of(loaded.study, plan.function.units)
     drawn = plan.design if isinstance(plan.design, Drawn) else None
@@ -87,12 +90,20 @@ def results_of(loaded: LoadedStudy, plan: Plan, folder: Path) -> dict[str, Any]:
             of = summary(name, column(folder, name), groups=groups, confidence=confidence)
             quantiles = [{"share": one.share, **asdict(one.value)} for one in of.quantiles]
             found["outcomes"][name] = {"mean": asdict(of.mean), "deviation": of.deviation, "quantiles": quantiles}
+    if isinstance(plan.function, LeastPeaks):
+        found["bound"] = kept_bound(loaded, plan.function, folder).as_json()
     if loaded.study.sensitivity is not None and isinstance(plan.design, Listed):
         variables = variables_of(loaded.study, resolve(loaded.study.parameters, loaded.scenarios))
         kept = {name: column(folder, name) for name in plan.function.units}
         found |= told_by(loaded.study.sensitivity, variables, plan.design.listed, kept)
     plain: dict[str, Any] = finite(found)
     return plain
+
+
+def kept_bound(loaded: LoadedStudy, function: LeastPeaks, folder: Path) -> BoundStudy:
+    """What a finished study of kind `bound` found."""
+    name = loaded.study.name or loaded.scenarios[""].name
+    return function.study(name, column(folder, PEAK), column(folder, OPEN))
 
 
 def finite(value: Any) -> Any:

@@ -20,11 +20,16 @@ from ridedown.scenario import Scenario, load, lower
 from ridedown.scenario.base import Check, Model, Name
 from ridedown.scenario.quantities import Duration, Factor
 from ridedown.scenario.reading import SUFFIXES, anchored, table_in
+from ridedown.studies.options import BoundOptions
 from ridedown.studies.parameters import StudyParameter
 
 _NEED = "need a table of fields such as kind, scenario and [[parameters]]. docs/studies.md has examples."
 
-Kind = Literal["sweep", "sample", "sensitivity"]
+Kind = Literal["sweep", "sample", "sensitivity", "bound"]
+
+
+_TABLES = ("sample", "sensitivity", "bound")
+"""Tables of options, each of the kind it is named after."""
 
 
 class Case(Model):
@@ -111,6 +116,7 @@ class Study(Model):
     correlations: tuple[Correlation, ...] = ()
     sample: SampleOptions | None = Field(None, description="how a sample is drawn")
     sensitivity: SensitivityOptions | None = Field(None, description="how sensitivity is found")
+    bound: BoundOptions | None = Field(None, description="what limiting performance is asked for")
     step: Duration = Field(1e-4, description="time between the samples that criteria are computed from")
 
     def complete(self) -> None:
@@ -126,10 +132,16 @@ class Study(Model):
         yield Check("scenario", not both, "both scenario and scenarios", "one of them", "Put all into [[scenarios]].")
         given = self.scenario is not None or bool(self.scenarios)
         yield Check("scenario", given, "nothing", "a catalogue name, a file, or a table [scenario]")
+        for kind in _TABLES:
+            wanted = self.kind == kind or getattr(self, kind) is None
+            yield Check(kind, wanted, f'a table [{kind}] with kind = "{self.kind}"', "none", "Take it out, or change the kind.")
         names = [case.name for case in self.scenarios]
         for i, name in enumerate(names):
             own = name not in names[:i] and name != "weighted"
             yield Check(f"scenarios.{i}.name", own, f'"{name}"', "a name of its own", "Rename it.")
+        if self.kind == "bound":
+            yield from self._bound_checks()
+            return
         yield Check("parameters", bool(self.parameters), "none", "one table [[parameters]] or more", "Say what varies.")
         if self.kind == "sweep":
             for i, parameter in enumerate(self.parameters):
@@ -138,13 +150,17 @@ class Study(Model):
                 yield Check(
                     where, listed, "no list of values", "values or a grid in a sweep", 'For others use kind = "sample".'
                 )
-        for kind in ("sample", "sensitivity"):
-            wanted = self.kind == kind or getattr(self, kind) is None
-            yield Check(kind, wanted, f'a table [{kind}] with kind = "{self.kind}"', "none", "Take it out, or change the kind.")
         drawn = self.kind == "sample" or not self.correlations
         yield Check("correlations", drawn, f'correlations with kind = "{self.kind}"', "none", "Only samples have them.")
         once = len(set(self.outcomes)) == len(self.outcomes)
         yield Check("outcomes", once, "an outcome twice", "each once", "Take one out.")
+
+    def _bound_checks(self) -> Iterator[Check]:
+        yield Check("bound", self.bound is not None, "nothing", "a table [bound] with excursions", "docs/studies.md has one.")
+        yield Check("scenarios", not self.scenarios, "several scenarios", "one scenario", "Make a study of each.")
+        for field in ("parameters", "outcomes", "correlations"):
+            none = not getattr(self, field)
+            yield Check(field, none, f'{field} with kind = "bound"', "none", "Take them out: the excursion is what varies.")
 
 
 @dataclass(frozen=True, eq=False)
