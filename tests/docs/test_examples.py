@@ -29,7 +29,7 @@ def test_example_loads_and_comes_back(block):
     if "[[cases]]" in block:
         assert load_calibration(tomllib.loads(block))[0].parameters
         return
-    if "[[parameters]]" in block:
+    if "[[parameters]]" in block or block.startswith("kind = "):
         assert plan_of(load_study(tomllib.loads(block))).rows
         return
     scenario = load(tomllib.loads(block))

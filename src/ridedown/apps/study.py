@@ -22,6 +22,7 @@ from ridedown.errors import InvalidInput
 from ridedown.report.tables import Column, Table
 from ridedown.studies.execution import Progress, Stopped, run_plan
 from ridedown.studies.plan import plan_of
+from ridedown.studies.results import kept_bound
 from ridedown.studies.sql import query as rows_for
 from ridedown.studies.study import LoadedStudy, load_study
 from ridedown.studies.summary import summary_of
@@ -118,8 +119,8 @@ def _show(loaded: LoadedStudy, summary: dict[str, Any], folder: Path) -> None:
     for remark in summary["remarks"]:
         show.note(remark)
     show.console().print()
-    if "bound" in (summary["results"] or {}):
-        _show_bound(summary["results"]["bound"])
+    if study.bound is not None:
+        _show_bound(loaded, folder)
     else:
         _show_rows(summary)
     failed = tuple((f"{one['rows']:,}", one["status"], one["why"] or "") for one in summary["failed"])
@@ -181,39 +182,16 @@ def _show_sensitivity(results: dict[str, Any]) -> None:
         show.tables(Table(f"{'Sobol indices' if sobol else 'Elementary effects'} of {name}", columns, tuple(rows)))
 
 
-def _show_bound(bound: dict[str, Any]) -> None:
-    """Print the least peaks, the ideal history, and the designs beside them."""
-    curve = zip(bound["excursions_m"], bound["peaks_m_s2"], bound["peaks_without_seat_m_s2"], strict=True)
-    columns = (Column("Excursion", "mm"), Column("Least peak", "g"), Column("With no seat behind", "g"))
-    rows = tuple((_mm(x), *(f"{y / STANDARD_GRAVITY:.2f}" for y in peaks)) for x, *peaks in curve)
-    show.tables(Table("The least peak that any restraint could give", columns, rows))
-    ideal = bound["ideal"]
-    columns = (Column("The ideal restraint", numeric=False), Column("From", "ms"))
-    stages = tuple((stage["does"], f"{1e3 * stage['start_s']:.1f}") for stage in ideal["stages"])
-    peak = ideal["peak_m_s2"] / STANDARD_GRAVITY
-    show.tables(Table(f"{peak:.2f} g within {_mm(ideal['excursion_m'])} mm", columns, stages))
-    columns = (
-        Column("Design", numeric=False), Column("Peak", "g"), Column("Excursion", "mm"), Column("Least peak there", "g"),
-        Column("Least over peak", "%"), Column("Least excursion for its peak", "mm"),
-    )  # fmt: skip
-    designs = tuple(
-        (
-            one["name"],
-            f"{one['peak_m_s2'] / STANDARD_GRAVITY:.2f}",
-            _mm(one["excursion_m"]),
-            f"{one['bound_m_s2'] / STANDARD_GRAVITY:.2f}",
-            f"{100.0 * one['ratio']:.0f}",
-            _mm(one["least_excursion_m"]),
-        )
-        for one in bound["designs"]
-    )
-    show.tables(Table("Designs beside the bound", columns, designs))
-    if bound["olc_m_s2"] is not None:
-        show.note(f"OLC of the pulse: {bound['olc_m_s2'] / STANDARD_GRAVITY:.2f} g.")
+def _show_bound(loaded: LoadedStudy, folder: Path) -> None:
+    """Print the least peaks, and the designs beside them."""
+    from ridedown.report.study_bound import curve_table, table  # noqa: PLC0415  draws, which takes a second to load
 
-
-def _mm(metres: float) -> str:
-    return f"{1e3 * metres:.0f}"
+    found = kept_bound(loaded, folder)
+    show.tables(curve_table(found), table(found))
+    parts = ", ".join(f"{stage.how} from {1e3 * stage.start:.1f} ms" for stage in found.ideal.stages)
+    show.note(f"The ideal restraint within {1e3 * found.ideal.excursion:.0f} mm has {found.ideal.peak_g:.2f} g: {parts}.")
+    if found.olc is not None:
+        show.note(f"OLC of the pulse: {found.olc / STANDARD_GRAVITY:.2f} g.")
 
 
 def _how_to_go_on(file: str, out: Path | None) -> str:

@@ -20,6 +20,7 @@ from ridedown.report.study_sweep import carpet_plot, line_plot, map_plot
 from ridedown.report.style import Plot
 from ridedown.report.tables import Column, Table, number
 from ridedown.studies.bound import BoundStudy
+from ridedown.studies.results import kept_bound
 from ridedown.studies.sql import connect
 from ridedown.studies.store import read_manifest
 from ridedown.studies.study import LoadedStudy
@@ -71,6 +72,8 @@ def page_of(loaded: LoadedStudy, folder: Path) -> Page:
 
     Raises: InvalidInput for a folder without results.
     """
+    if loaded.study.bound is not None:
+        return bound_page(kept_bound(loaded, folder), description=loaded.study.description, source=loaded.text)
     kept = _Kept(loaded, folder)
     kinds = {"sweep": _sweep, "sample": _sample, "sensitivity": _sensitivity}
     drawn = tuple(kinds[kept.kind](kept)) if kept.kind in kinds else ()
@@ -81,8 +84,8 @@ def page_of(loaded: LoadedStudy, folder: Path) -> Page:
     return Page(study.name or "A study", study.description, rows, sections, tuple(kept.notes()), loaded.text)
 
 
-def bound_page(study: BoundStudy, *, description: str = "") -> Page:
-    """The page of a study of kind `bound`."""
+def bound_page(study: BoundStudy, *, description: str = "", source: str = "") -> Page:
+    """The page of a study of kind `bound`; source: its file, shown at the end."""
     tables = tuple(table for table in (study_bound.table(study), study_bound.curve_table(study)) if table.rows)
     room = "no seat behind" if np.isinf(study.ideal.rearward) else f"{1e3 * study.ideal.rearward:.0f} mm of room behind"
     status = f"{1e3 * study.ideal.slack:.0f} mm of slack, {room}; g = 9.80665 m/s²."
@@ -93,7 +96,7 @@ def bound_page(study: BoundStudy, *, description: str = "") -> Page:
         Section("figures", "Limiting performance", plots=study_bound.plots(study)),
         Section("numbers", "Numbers", tables),
     )
-    return Page(study.name or "Limiting performance", description, status, sections, notes)
+    return Page(study.name or "Limiting performance", description, status, sections, notes, source)
 
 
 def write_bound(study: BoundStudy, folder: Path, *, description: str = "") -> None:

@@ -90,8 +90,8 @@ def results_of(loaded: LoadedStudy, plan: Plan, folder: Path) -> dict[str, Any]:
             of = summary(name, column(folder, name), groups=groups, confidence=confidence)
             quantiles = [{"share": one.share, **asdict(one.value)} for one in of.quantiles]
             found["outcomes"][name] = {"mean": asdict(of.mean), "deviation": of.deviation, "quantiles": quantiles}
-    if isinstance(plan.function, LeastPeaks):
-        found["bound"] = kept_bound(loaded, plan.function, folder).as_json()
+    if loaded.study.bound is not None:
+        found["bound"] = kept_bound(loaded, folder).as_json()
     if loaded.study.sensitivity is not None and isinstance(plan.design, Listed):
         variables = variables_of(loaded.study, resolve(loaded.study.parameters, loaded.scenarios))
         kept = {name: column(folder, name) for name in plan.function.units}
@@ -100,8 +100,10 @@ def results_of(loaded: LoadedStudy, plan: Plan, folder: Path) -> dict[str, Any]:
     return plain
 
 
-def kept_bound(loaded: LoadedStudy, function: LeastPeaks, folder: Path) -> BoundStudy:
+def kept_bound(loaded: LoadedStudy, folder: Path) -> BoundStudy:
     """What a finished study of kind `bound` found."""
+    assert loaded.study.bound is not None
+    function = LeastPeaks.of(loaded.scenarios[""], loaded.study.bound)
     name = loaded.study.name or loaded.scenarios[""].name
     return function.study(name, column(folder, PEAK), column(folder, OPEN))
 
