@@ -25,10 +25,9 @@ def outcome(response: Response, name: str) -> float:
         return float(response.at(stem, response.end_time))
     if kind == "absorbed":
         return energy.elements[stem].absorbed
-    if kind == "residual":
-        return max(0.0, float(response.phases.set[response.network.elements.index(stem)]))
-    if kind == "paid_out":
-        return float(response.phases.payout[response.network.elements.index(stem)])
+    if kind in {"residual", "paid_out"}:
+        kept = np.maximum(response.phases.set, 0.0) if kind == "residual" else response.phases.payout
+        return float(kept[response.network.elements.index(stem)])
     find = {"peak": response.peak, "max": response.maximum, "min": response.minimum}
     extremum = find[kind.removesuffix("_time")](stem)
     if kind.endswith("_time"):

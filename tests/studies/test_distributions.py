@@ -8,11 +8,11 @@ from scipy import integrate, stats
 from ridedown.errors import InvalidInput
 from ridedown.scenario.base import Model
 from ridedown.scenario.quantities import Quantity
+from ridedown.studies.distribution import Distribution
 from ridedown.studies.distributions import (
     KINDS,
     AnyDistribution,
     Discrete,
-    Distribution,
     LogNormal,
     Normal,
     Triangular,

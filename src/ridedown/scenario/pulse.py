@@ -6,6 +6,7 @@ channels, have the signs of SAE J211: a braking car's acceleration is negative.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator
 from typing import Literal
 
@@ -34,17 +35,17 @@ FMVSS_208_DURATION = 0.125  # s
 class BasePulse(Model):
     """What all pulses tell of themselves."""
 
+    @abstractmethod
     def lowered(self) -> network.Pulse:
         """The acceleration as the network takes it."""
-        raise NotImplementedError
 
+    @abstractmethod
     def change(self) -> Number | None:
         """The speed that the pulse takes from the vehicle, or that its source says it had [m/s]; None if not known."""
-        raise NotImplementedError
 
+    @abstractmethod
     def end(self) -> Number:
         """When the pulse is over [s]."""
-        raise NotImplementedError
 
     def whole(self) -> float | None:
         """How long there is anything to simulate [s], for a pulse that was recorded; None for others."""
@@ -58,13 +59,13 @@ class TwoOfThree(BasePulse):
     duration: Duration | None = Field(None, description="from the first to the last acceleration")
     peak: PeakDeceleration | None = Field(None, description="largest deceleration, a magnitude")
 
+    @abstractmethod
     def mean(self) -> float:
         """Mean deceleration over the duration, in parts of the peak."""
-        raise NotImplementedError
 
+    @abstractmethod
     def shape(self) -> shapes.Shape:
         """The shape, of duration 1 and peak 1."""
-        raise NotImplementedError
 
     def numbers(self) -> tuple[Number, Number, Number]:
         """Change of velocity [m/s], duration [s] and peak [m/s2]: the two that are given, and the third."""

@@ -28,7 +28,7 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from ridedown.errors import InvalidInput, UnknownName
-from ridedown.studies.distributions import Distribution
+from ridedown.studies.distribution import Distribution
 
 Floats = NDArray[np.float64]
 Seed = int | np.random.Generator | None

@@ -6,6 +6,7 @@ its negative. So `MeanPlus(2.0)` of an outcome that is to be large is its mean l
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -19,16 +20,16 @@ from ridedown.studies.evaluation import BATCH, Evaluator, Floats, Limit, Progres
 Truths = NDArray[np.bool_]
 
 
-class Measure:
+class Measure(ABC):
     """One number for each design, of its outcomes over a population."""
 
+    @abstractmethod
     def of(self, values: Floats, weights: Floats, sign: float) -> Floats:
         """The measure (R,), times the sign, of values (R, m) with weights (m,) whose sum is 1."""
-        raise NotImplementedError
 
+    @abstractmethod
     def words(self, outcome: str) -> str:
         """What it is called."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, slots=True)

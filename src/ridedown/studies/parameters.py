@@ -16,7 +16,8 @@ from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import Scenario, quantities
 from ridedown.scenario.base import Check, Model
 from ridedown.scenario.quantities import Quantity, Refused
-from ridedown.studies.distributions import AnyDistribution, Discrete, Distribution, Uniform
+from ridedown.studies.distribution import Distribution
+from ridedown.studies.distributions import AnyDistribution, Discrete, Uniform
 
 Floats = NDArray[np.float64]
 
