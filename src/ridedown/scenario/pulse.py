@@ -36,10 +36,6 @@ class BasePulse(Model):
     """What all pulses tell of themselves."""
 
     @abstractmethod
-    def lowered(self) -> network.Pulse:
-        """The acceleration as the network takes it."""
-
-    @abstractmethod
     def change(self) -> Number | None:
         """The speed that the pulse takes from the vehicle, or that its source says it had [m/s]; None if not known."""
 
@@ -52,7 +48,15 @@ class BasePulse(Model):
         return None
 
 
-class TwoOfThree(BasePulse):
+class OwnPulse(BasePulse):
+    """A pulse that says itself what the acceleration is, with no other scenario to be solved for it."""
+
+    @abstractmethod
+    def lowered(self) -> network.Pulse:
+        """The acceleration as the network takes it."""
+
+
+class TwoOfThree(OwnPulse):
     """A shape with any two of change of velocity, duration and peak. The third follows."""
 
     delta_v: VelocityChange | None = Field(None, description="change of velocity, a magnitude")
@@ -163,7 +167,7 @@ class TrapezoidPulse(TwoOfThree):
         yield Check("fall", whole <= 1.0 + 1e-12, f"{one_of(whole):.12g} together with the rise", "at most 1 together", fix)
 
 
-class EquivalentSquareWave(BasePulse):
+class EquivalentSquareWave(OwnPulse):
     """The constant deceleration that stops a speed within a crush: `speed^2 / (2 crush)`."""
 
     kind: Literal["equivalent-square-wave"]
@@ -184,7 +188,7 @@ class EquivalentSquareWave(BasePulse):
         return end
 
 
-class TippedEquivalentSquareWave(BasePulse):
+class TippedEquivalentSquareWave(OwnPulse):
     """The deceleration, straight from A0 to A1, that stops a speed within a crush at a time.
 
     With `r = crush / (speed time)`: `A0 = (2 speed / time)(2 - 3 r)`, `A1 = (2 speed / time)(3 r - 1)`.
@@ -233,7 +237,7 @@ class TippedEquivalentSquareWave(BasePulse):
         return self.crush / (self.speed * self.time)
 
 
-class FmvssPulse(BasePulse):
+class FmvssPulse(OwnPulse):
     """The sled pulse of FMVSS 208 S13: a half-sine of 17.2 g and 125 ms, 48.3 km/h."""
 
     kind: Literal["fmvss-208-sled"]

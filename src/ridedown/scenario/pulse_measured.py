@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, StrictBool, WithJsonSchema
 from ridedown import network
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.base import Check
-from ridedown.scenario.pulse import BasePulse, brakes, one_of, same_in_all
+from ridedown.scenario.pulse import OwnPulse, brakes, one_of, same_in_all
 from ridedown.scenario.pulse_reduction import reduced
 from ridedown.scenario.pulse_shapes import Floats, through
 from ridedown.scenario.quantities import Duration, Factor, Number, RecordTime, Refused
@@ -78,7 +78,7 @@ class Recorded:
     gone: float
 
 
-class MeasuredPulse(BasePulse):
+class MeasuredPulse(OwnPulse):
     """Channels of a test, in the signs of SAE J211; several are averaged as sensors of one and the same motion.
 
     Built once, the file is read; from then on its pulse is kept until the file changes.

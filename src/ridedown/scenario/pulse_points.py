@@ -11,13 +11,13 @@ from pydantic import Field
 from ridedown import network
 from ridedown.scenario import pulse_shapes as shapes
 from ridedown.scenario.base import Check
-from ridedown.scenario.pulse import BasePulse, brakes, one_of, same_in_all
+from ridedown.scenario.pulse import OwnPulse, brakes, one_of, same_in_all
 from ridedown.scenario.quantities import Acceleration, Factor, Instant, Number
 
 MOST_POINTS = 100_000
 
 
-class PointsPulse(BasePulse):
+class PointsPulse(OwnPulse):
     """Accelerations at times, straight between them and zero before the first and after the last; braking is negative."""
 
     kind: Literal["points"]
