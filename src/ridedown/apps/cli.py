@@ -332,6 +332,24 @@ def paper(
 
 
 @app.command()
+def serve(
+    port: Annotated[int, typer.Option("--port", help="Port; 0 for any that is free.")] = 8137,
+    host: Annotated[
+        str, typer.Option("--host", help="Address to listen on; others than this machine need a token.")
+    ] = "127.0.0.1",
+    open_browser: Annotated[bool, typer.Option("--open", help="Also open the page in a browser.")] = False,
+) -> None:
+    """Serve the live page: turn a knob, watch the crash.
+
+    Prints the address to open. Ctrl-C ends it.
+    """
+    with _plain_errors():
+        from ridedown.apps.web.serve import serve as served
+
+        served(host, port, say=typer.echo, open_browser=open_browser)
+
+
+@app.command()
 def catalogue(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help="Print this scenario and its sources.")] = None,
 ) -> None:

@@ -1,6 +1,6 @@
 """Regulations and their limits, and what a measured or a simulated crash comes to before them."""
 
-from ridedown.limits.assess import Assessment, Judgement, Verdict, assess
+from ridedown.limits.assess import Assessment, Judgement, Verdict, assess, assess_all
 from ridedown.limits.evidence import Evidence, Person, Pulse, Signals, evidence
 from ridedown.limits.findings import CRITERIA, Finding
 from ridedown.limits.regulations import Limit, Regulation, regulation, regulations
@@ -22,6 +22,7 @@ __all__ = [
     "VehicleCriteria",
     "Verdict",
     "assess",
+    "assess_all",
     "criteria_of",
     "evidence",
     "regulation",

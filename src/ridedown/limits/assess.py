@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ridedown.errors import InvalidInput
@@ -14,6 +16,10 @@ from ridedown.limits.regulations import Limit, Regulation, regulation
 if TYPE_CHECKING:
     from ridedown.response import Response
     from ridedown.signals.record import TestRecord
+
+
+_Compute = Mapping[str, Callable[[Evidence, Person], Finding]]
+"""What computes each criterion of an occupant, as OF_OCCUPANTS does."""
 
 
 class Verdict(Enum):
@@ -117,13 +123,40 @@ def assess(source: TestRecord | Response | Evidence, regulation_name: str) -> As
 
     Raises: UnknownName for a regulation that is not known (see `regulations`).
     """
-    rule = regulation(regulation_name)
+    return _assess(evidence(source), regulation(regulation_name), OF_OCCUPANTS)
+
+
+def assess_all(source: TestRecord | Response | Evidence, names: Iterable[str]) -> tuple[Assessment, ...]:
+    """Judge a crash by several regulations, as `assess` by each; a criterion that several ask for is computed once.
+
+    Raises: UnknownName for a regulation that is not known.
+    """
     have = evidence(source)
+    found: dict[tuple[str, str, str], Finding | Exception] = {}
+
+    def once(key: str, have: Evidence, person: Person) -> Finding:
+        place = (key, person.vehicle, person.name)
+        if place not in found:
+            try:
+                found[place] = OF_OCCUPANTS[key](have, person)
+            except (CannotJudge, InvalidInput) as why:
+                found[place] = why
+        result = found[place]
+        if isinstance(result, Exception):
+            raise result
+        return result
+
+    compute = {key: partial(once, key) for key in OF_OCCUPANTS}
+    return tuple(_assess(have, regulation(name), compute) for name in names)
+
+
+def _assess(have: Evidence, rule: Regulation, of_occupants: _Compute) -> Assessment:
     judgements: list[Judgement] = []
     if rule.occupants != "none":
         for person in have.people:
             subject = _called(person, have)
-            judgements += [replace(one, subject=subject, vehicle=person.vehicle) for one in _occupant(have, person, rule)]
+            own = _occupant(have, person, rule, of_occupants)
+            judgements += [replace(one, subject=subject, vehicle=person.vehicle) for one in own]
         if not have.people:
             judgements.append(Judgement("occupants", "", Verdict.NOT_JUDGED, reason="no occupants in this crash"))
     for limit in rule.limits:
@@ -140,7 +173,7 @@ def _called(person: Person, have: Evidence) -> str:
     return f"{person.name} of vehicle {person.vehicle}"
 
 
-def _occupant(have: Evidence, person: Person, rule: Regulation) -> list[Judgement]:
+def _occupant(have: Evidence, person: Person, rule: Regulation, compute: _Compute) -> list[Judgement]:
     against = rule.refuses(person)
     if against:
         return [Judgement(person.name, "", Verdict.NOT_JUDGED, reason=against)]
@@ -151,7 +184,7 @@ def _occupant(have: Evidence, person: Person, rule: Regulation) -> list[Judgemen
     found = []
     for limit in limits:
         try:
-            finding = OF_OCCUPANTS[limit.criterion](have, person)
+            finding = compute[limit.criterion](have, person)
         except (CannotJudge, InvalidInput) as why:
             found.append(_without(person.name, limit, str(why)))
             continue

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ridedown.limits import CRITERIA, Assessment, CrashCriteria, Evidence, Judgement, OccupantCriteria, assess, regulations
+from ridedown.limits import CRITERIA, Assessment, CrashCriteria, Evidence, Judgement, OccupantCriteria, assess_all, regulations
 from ridedown.limits.findings import Finding, in_field
 from ridedown.report.criteria_channels import Channels
 from ridedown.report.tables import NONE, Column, Table, number
@@ -251,8 +251,7 @@ def pulse_notes(found: CrashCriteria) -> tuple[str, ...]:
 
 def verdicts(have: Evidence) -> tuple[Assessment, ...]:
     """The crash before each regulation that finds anything to judge in it."""
-    found = (assess(have, name) for name in regulations())
-    return tuple(one for one in found if one.passed or one.failed)
+    return tuple(one for one in assess_all(have, regulations()) if one.passed or one.failed)
 
 
 def verdict_tables(assessments: Iterable[Assessment]) -> tuple[Table, ...]:

@@ -13,7 +13,7 @@ from ridedown.signals.processing import (
     trimmed,
     zeroed,
 )
-from ridedown.signals.read import read, write
+from ridedown.signals.read import read, read_zip, write
 from ridedown.signals.record import ChannelInfo, TestRecord
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "integrated",
     "mean",
     "read",
+    "read_zip",
     "resampled",
     "resultant",
     "reversed_sign",

@@ -6,6 +6,7 @@ a device, an encrypted or oversized member are not read: asking for one says why
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import stat
@@ -14,7 +15,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
-from typing import IO
+from typing import IO, Literal
 
 from ridedown.errors import InvalidInput, UnknownName
 
@@ -36,13 +37,25 @@ _DRIVE = re.compile(r"[A-Za-z]:")
 
 
 @dataclass(frozen=True)
+class InMemory:
+    """A file that is held in memory only: what is asked of a path here, and nothing of the disk."""
+
+    name: str
+    content: bytes = field(repr=False)
+
+    def open(self, mode: Literal["rb"]) -> IO[bytes]:  # noqa: ARG002  as a path has it
+        """What it holds, as a file."""
+        return io.BytesIO(self.content)
+
+
+@dataclass(frozen=True)
 class Tree:
     """The files of a folder or a zip, by their names with forward slashes, relative to it.
 
     path: where it is. refused: names that are there but are not read, with the reason.
     """
 
-    path: Path
+    path: Path | InMemory
     members: Mapping[str, Path | zipfile.ZipInfo]
     refused: Mapping[str, str] = field(default_factory=dict)
 
@@ -129,7 +142,18 @@ def open_tree(path: str | Path) -> Tree:
         raise InvalidInput(f"path: got {path}, which cannot be read ({problem.strerror}); need a folder or a zip.") from problem
 
 
-def is_zip(path: Path) -> bool:
+def zip_in_memory(content: bytes, name: str) -> Tree:
+    """The files of a zip whose bytes are at hand; nothing is written.
+
+    Raises: InvalidInput for what is no zip, is damaged, or holds more than a test has (see the limits above).
+    """
+    file = InMemory(name, content)
+    if not is_zip(file):
+        raise InvalidInput(f"{shown(name)}: got no zip; need the zip of a test. Pack its folder.")
+    return _zip(file)
+
+
+def is_zip(path: Path | InMemory) -> bool:
     """Whether a file begins as a zip does, with members or without."""
     with path.open("rb") as file:
         return file.read(4) in {b"PK\x03\x04", b"PK\x05\x06"}
@@ -221,7 +245,7 @@ def _not_for_reading(entry: os.DirEntry[str], root: Path) -> str | None:
 class _Bounded:
     """A file that refuses to read more at once than a list of members may hold: zipfile reads it in one piece."""
 
-    def __init__(self, file: IO[bytes], path: Path) -> None:
+    def __init__(self, file: IO[bytes], path: Path | InMemory) -> None:
         self.file, self.path = file, path
         self.seek, self.tell = file.seek, file.tell
 
@@ -238,7 +262,7 @@ class _Bounded:
         return True
 
 
-def _zip(path: Path) -> Tree:
+def _zip(path: Path | InMemory) -> Tree:
     try:
         with path.open("rb") as file, zipfile.ZipFile(_Bounded(file, path)) as archive:
             infos = archive.infolist()
@@ -315,9 +339,10 @@ def _too_large(name: str) -> InvalidInput:
     return InvalidInput(f"{shown(name)}: {_size_reason(MAX_FILE_BYTES + 1)}")
 
 
-def _too_many(path: Path) -> InvalidInput:
+def _too_many(path: Path | InMemory) -> InvalidInput:
+    called = path if isinstance(path, Path) else shown(path.name)
     return InvalidInput(
-        f"path: got {path}, with more than {MAX_FILES} files; need one test. Give that test's own folder or zip."
+        f"path: got {called}, with more than {MAX_FILES} files; need one test. Give that test's own folder or zip."
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ridedown.errors import InvalidInput
 from ridedown.signals import delimited, ev5, isomme, parquet
-from ridedown.signals.files import is_zip, open_tree, shown
+from ridedown.signals.files import is_zip, open_tree, shown, zip_in_memory
 
 if TYPE_CHECKING:
     from ridedown.signals.files import Tree
@@ -45,6 +45,14 @@ def read(path: str | Path) -> TestRecord:
     if begin == _PARQUET or suffix in parquet.SUFFIXES:
         return parquet.read_parquet(path)
     return delimited.read_delimited(path)
+
+
+def read_zip(content: bytes, name: str) -> TestRecord:
+    """The test in a zip whose bytes are at hand: NHTSA EV5, ISO-MME or one table. Nothing is written to the disk.
+
+    Raises: InvalidInput, naming file and line, for anything that is none of these, or damaged.
+    """
+    return _of_tree(zip_in_memory(content, name))
 
 
 def _of_tree(tree: Tree) -> TestRecord:

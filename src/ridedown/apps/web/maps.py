@@ -1,0 +1,99 @@
+"""Maps: thousands of crashes over two parameters, and an outcome of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ridedown.apps.web.crash import Frame, finite
+from ridedown.apps.web.sliders import ends
+from ridedown.errors import InvalidInput, UnknownName
+from ridedown.report.lines import G, vehicles
+from ridedown.scenario import NetworkScenario, Scenario
+from ridedown.simulation import simulate_many
+
+USUAL_SIDE, MOST_SIDE = 100, 200
+"""Crashes along each side of a map."""
+
+_CHEST_LIMIT = 60.0 * G  # m/s2, as the founding paper has it of FMVSS 208: of the peak
+
+
+def outcomes(scenario: Scenario) -> list[dict[str, Any]]:
+    """What a map can show: outcomes with their unit, and a limit [SI] where one is usual."""
+    found: list[tuple[str, str, str, float | None]] = []
+    if isinstance(scenario, NetworkScenario):
+        for body in scenario.masses:
+            found.append((f"{body.name}.acceleration.peak", f"{body.name}, peak acceleration", "m/s2", None))
+            found.append((f"{body.name}.displacement.max", f"{body.name}, largest displacement", "m", None))
+    else:
+        for occupant in scenario.occupants:
+            limit = _CHEST_LIMIT if occupant.kind == "adult" else None
+            for name in occupant.mass_names:
+                chest = name == occupant.name or name.endswith(".chest")
+                found.append((f"{name}.acceleration.peak", f"{name}, peak acceleration", "m/s2", limit if chest else None))
+                found.append((f"{name}.excursion.max", f"{name}, excursion", "m", None))
+            for name, _ in occupant.held_by():
+                found.append((f"{name}.force.max", f"{name}, largest force", "N", None))
+        for vehicle in vehicles(scenario):
+            found.append((f"{vehicle}.acceleration.peak", f"{vehicle}, peak acceleration", "m/s2", None))
+            found.append((f"{vehicle}.velocity.change", f"{vehicle}, delta-v", "m/s", None))
+            found.append((f"{vehicle}.displacement.max", f"{vehicle}, largest displacement", "m", None))
+    return [{"name": name, "label": label, "unit": unit, "limit": limit} for name, label, unit, limit in found]
+
+
+def crash_map(scenario: Scenario, message: Mapping[str, Any]) -> Frame:
+    """Crashes on a grid of `x` and `y`, parameter paths, and their `outcome`; signs are dropped from peaks.
+
+    Arrays: `x` (n,), `y` (n,), `outcome` (n, n), a row for each y; NaN where a crash could not be solved. `low` and `high`, pairs
+    for x and y, replace the ends of the sliders.
+
+    Raises: InvalidInput, UnknownName, naming the field.
+    """
+    side = _side(message.get("side", USUAL_SIDE))
+    known = {one["name"]: one for one in outcomes(scenario)}
+    outcome = message.get("outcome")
+    if outcome not in known:
+        raise UnknownName.among("outcome", str(outcome)[:100], known)
+    first, second = (_path(message, axis, ends(scenario)) for axis in ("x", "y"))
+    if first == second:
+        raise InvalidInput(f"y: got {second}, the parameter of x too; need two different ones. Choose another.")
+    x, y = (_column(message, axis, ends(scenario)[path], side) for axis, path in (("x", first), ("y", second)))
+    table = {first: np.tile(x, side), second: np.repeat(y, side)}
+    many = simulate_many(scenario, table, outcomes=[outcome], threads=2)
+    values = np.where(many.completed, many[outcome], np.nan)
+    header = {
+        "kind": "map",
+        "x": first,
+        "y": second,
+        "outcome": known[outcome],
+        "crashes": side * side,
+        "failed": int(side * side - many.completed.sum()),
+    }
+    return header, {"x": x, "y": y, "outcome": finite(np.abs(values).reshape(side, side))}
+
+
+def _side(given: object) -> int:
+    if isinstance(given, bool) or not isinstance(given, int) or not 2 <= given <= MOST_SIDE:
+        raise InvalidInput(f"side: got {given!r}; need a whole number, 2 .. {MOST_SIDE}.")
+    return given
+
+
+def _path(message: Mapping[str, Any], axis: str, known: Mapping[str, tuple[float, float]]) -> str:
+    path = message.get(axis)
+    if path not in known:
+        raise UnknownName.among("parameter", str(path)[:100], known)
+    return str(path)
+
+
+def _column(message: Mapping[str, Any], axis: str, usual: tuple[float, float], side: int) -> np.ndarray[Any, Any]:
+    """Evenly spaced values from one end to the other."""
+    given = message.get(f"{axis}_ends") or usual
+    try:
+        low, high = (float(end) for end in given)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{axis}_ends: got {given!r}; need two numbers. Give the ends of the axis.") from None
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        raise InvalidInput(f"{axis}_ends: got {low:g} and {high:g}; need the lower end first.")
+    return np.linspace(low, high, side)

@@ -1,0 +1,67 @@
+"""What the server holds while it runs: threads to compute on, whether the solver is compiled, tests that were dropped."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from ridedown.apps.first_run import compile_side_by_side
+from ridedown.apps.web.studies import Studies
+from ridedown.apps.web.uploads import Uploads
+
+MOST_SESSIONS = 64
+
+
+class Server:
+    """One running server. Curves have threads of their own, so that no map, upload or report keeps a slider waiting."""
+
+    def __init__(self, studies: Studies) -> None:
+        cores = os.cpu_count() or 1
+        self.quick = ThreadPoolExecutor(max(2, cores), thread_name_prefix="ridedown-quick")
+        self.slow = ThreadPoolExecutor(max(2, cores), thread_name_prefix="ridedown-slow")
+        self.uploads = Uploads()
+        self.studies = studies
+        self.sessions = 0
+        self.ready = asyncio.Event()
+        self.trouble = ""
+
+    async def warm(self) -> None:
+        """Compile what is not compiled, and simulate once, so that the first answer is as quick as all others."""
+        try:
+            await asyncio.get_running_loop().run_in_executor(self.slow, _warm)
+        except Exception as error:  # noqa: BLE001  said on the page; a request will meet the same error and tell it
+            self.trouble = f"{type(error).__name__}: {error}"
+        finally:
+            self.ready.set()
+
+    def state(self) -> dict[str, Any]:
+        """Whether requests are answered yet."""
+        return {"kind": "state", "state": "ready" if self.ready.is_set() else "compiling", "trouble": self.trouble}
+
+    def close(self) -> None:
+        """Let go of the threads; what runs in them is not waited for."""
+        self.studies.close()
+        for pool in (self.quick, self.slow):
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _warm() -> None:
+    # heavy imports, which a server that only shows its page need not wait for
+    import ridedown.criteria.head  # noqa: PLC0415
+    import ridedown.solver.march  # noqa: F401, PLC0415
+    from ridedown.apps.web import crash, maps, requests, results  # noqa: PLC0415
+    from ridedown.compiled import can_be_kept, unkept  # noqa: PLC0415
+    from ridedown.simulation import simulate  # noqa: PLC0415
+
+    of_criteria = ("ridedown.criteria.windows:best_window", "ridedown.criteria.levels:highest_reached")
+    missing = [name for start in (*of_criteria, "ridedown.solver.") for name in unkept(start)]
+    if missing and can_be_kept(missing[0]):
+        compile_side_by_side(missing)
+    scenario = requests.scenario_of({"scenario": "example-offset"})
+    response = simulate(scenario, throw=False)
+    crash.curves(response)
+    results.results(response)
+    message = {"side": 8, "outcome": "driver.acceleration.peak", "x": "vehicle1.mass", "y": "driver.restraint.slack"}
+    maps.crash_map(scenario, message)

@@ -1,0 +1,103 @@
+/** The page: its views, its state in the address, and the one socket they share. */
+import { useCallback, useEffect, useRef, useState } from "preact/hooks";
+import { Live, type Status } from "./socket";
+import { read, START, type State, type View, VIEWS, write } from "./url";
+import { CrashView } from "./views/crash";
+import { MapView } from "./views/map";
+import { PaperView } from "./views/paper";
+import { StudyView } from "./views/study";
+import { TestView } from "./views/test";
+
+const live = new Live();
+
+const SAID: Record<Status, string> = {
+  connecting: "connecting",
+  compiling: "compiling the solver, once; some twenty seconds",
+  ready: "live",
+  lost: "connection lost; trying again",
+};
+
+const NAMES: Record<View, string> = { crash: "Crash", map: "Map", test: "Test", paper: "Paper", study: "Study" };
+const THEMES = ["", "light", "dark"] as const;
+
+export type Change = (change: Partial<State>) => void;
+
+export interface ViewProps { live: Live; state: State; change: Change; theme: string; ready: boolean }
+
+export function App() {
+  const [state, setState] = useState<State | null>(null);
+  const [status, setStatus] = useState<Status>(live.status);
+  const [theme, setTheme] = useTheme();
+  const own = useRef<string | null>(null); // the address that this page itself wrote last
+
+  useEffect(() => {
+    const follow = async () => {
+      if (location.hash !== own.current) setState(await read(location.hash));
+    };
+    void follow();
+    addEventListener("hashchange", follow);
+    const stop = live.onStatus(setStatus);
+    setStatus(live.status);
+    return () => {
+      removeEventListener("hashchange", follow);
+      stop();
+    };
+  }, []);
+
+  const lastView = useRef<View | null>(null);
+  useEffect(() => {
+    if (!state) return;
+    const later = setTimeout(async () => {
+      const hash = await write(state);
+      if (hash === location.hash) return;
+      own.current = hash;
+      const way = lastView.current && lastView.current !== state.view ? "pushState" : "replaceState";
+      history[way](null, "", hash);
+      lastView.current = state.view;
+      document.title = `${NAMES[state.view]} · ridedown`;
+    }, 120);
+    return () => clearTimeout(later);
+  }, [state]);
+
+  const change = useCallback<Change>((part) => setState((before) => ({ ...(before ?? START), ...part })), []);
+  if (!state) return null;
+  const props: ViewProps = { live, state, change, theme, ready: status === "ready" };
+  return (
+    <>
+      <a class="skip" href="#main" onClick={(event) => { event.preventDefault(); document.getElementById("main")?.focus(); }}>To the content</a>
+      <header class="top">
+        <h1>ridedown</h1>
+        <nav aria-label="Views">
+          {VIEWS.map((view) => (
+            <button key={view} type="button" aria-current={state.view === view ? "page" : undefined} onClick={() => change({ view })}>{NAMES[view]}</button>
+          ))}
+        </nav>
+        <p class={`status ${status}`} role="status"><span aria-hidden="true">●</span> {SAID[status]}</p>
+        <button type="button" class="theme" onClick={() => setTheme(THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length]!)}
+          aria-label={`Theme: ${theme || "as the system's"}`}>{theme === "dark" ? "☾" : theme === "light" ? "☀" : "◐"}</button>
+      </header>
+      {status === "compiling" && <p class="banner" role="alert">The solver is being compiled, once for this machine. The page answers in some twenty seconds.</p>}
+      {status === "lost" && <p class="banner" role="alert">The server does not answer. The page goes on as soon as it does.</p>}
+      <main id="main" tabIndex={-1}>
+        {state.view === "crash" && <CrashView {...props} />}
+        {state.view === "map" && <MapView {...props} />}
+        {state.view === "test" && <TestView {...props} />}
+        {state.view === "paper" && <PaperView {...props} />}
+        {state.view === "study" && <StudyView {...props} />}
+      </main>
+    </>
+  );
+}
+
+type Theme = (typeof THEMES)[number];
+
+function useTheme(): [Theme, (theme: Theme) => void] {
+  const [theme, setTheme] = useState<Theme>(() => THEMES.find((one) => one === localStorage.getItem("ridedown-theme")) ?? "");
+  if (theme) document.documentElement.dataset.theme = theme;
+  else delete document.documentElement.dataset.theme;
+  const keep = (chosen: Theme) => {
+    localStorage.setItem("ridedown-theme", chosen);
+    setTheme(chosen);
+  };
+  return [theme, keep];
+}

@@ -1,0 +1,121 @@
+/** The state of the page, and the address that holds all of it. */
+
+export const VIEWS = ["crash", "map", "test", "paper", "study"] as const;
+export type View = (typeof VIEWS)[number];
+
+/** A scenario: by its name in the catalogue, or as the text of a file; and the numbers that differ from it. */
+export interface Run { scenario?: string; toml?: string; values: Record<string, number> }
+
+export interface State {
+  view: View;
+  run: Run;
+  pin: Run | null;
+  time: number; // s
+  who: string; // occupant in the side view
+  all: boolean; // every slider
+  map: { x: string; y: string; outcome: string; limit: number | null };
+  test: { test: string; channels: string[]; cfc: number | null };
+}
+
+export const START: State = {
+  view: "crash",
+  run: { scenario: "example-offset", values: {} },
+  pin: null,
+  time: 0.06,
+  who: "",
+  all: false,
+  map: { x: "", y: "", outcome: "", limit: null },
+  test: { test: "", channels: [], cfc: 60 },
+};
+
+/** What a run is asked for by. */
+export function asked(run: Run): Record<string, unknown> {
+  return run.toml === undefined ? { scenario: run.scenario, values: run.values } : { toml: run.toml, values: run.values };
+}
+
+export async function write(state: State): Promise<string> {
+  const found = new URLSearchParams();
+  await writeRun(found, "", state.run);
+  if (state.pin) await writeRun(found, "pin.", state.pin);
+  if (state.time !== START.time) found.set("t", String(state.time));
+  if (state.who) found.set("who", state.who);
+  if (state.all) found.set("all", "1");
+  if (state.view === "map") {
+    const { x, y, outcome, limit } = state.map;
+    for (const [key, value] of Object.entries({ x, y, outcome })) if (value) found.set(key, value);
+    if (limit !== null) found.set("limit", String(limit));
+  }
+  if (state.test.test) {
+    found.set("test", state.test.test);
+    for (const channel of state.test.channels) found.append("channel", channel);
+    found.set("cfc", String(state.test.cfc ?? "none"));
+  }
+  return `#/${state.view}?${found}`;
+}
+
+export async function read(hash: string): Promise<State> {
+  const [, view = "", query = ""] = /^#\/?([a-z]*)\??(.*)$/s.exec(hash) ?? [];
+  const found = new URLSearchParams(query);
+  const number = (key: string) => (found.has(key) && Number.isFinite(Number(found.get(key))) ? Number(found.get(key)) : null);
+  return {
+    view: VIEWS.find((known) => known === view) ?? START.view,
+    run: (await readRun(found, "")) ?? START.run,
+    pin: await readRun(found, "pin."),
+    time: number("t") ?? START.time,
+    who: found.get("who") ?? "",
+    all: found.get("all") === "1",
+    map: { x: found.get("x") ?? "", y: found.get("y") ?? "", outcome: found.get("outcome") ?? "", limit: number("limit") },
+    test: {
+      test: found.get("test") ?? "",
+      channels: found.getAll("channel"),
+      cfc: found.get("cfc") === "none" ? null : number("cfc") ?? 60,
+    },
+  };
+}
+
+async function writeRun(found: URLSearchParams, prefix: string, run: Run): Promise<void> {
+  if (run.toml === undefined) found.set(`${prefix}s`, run.scenario ?? "");
+  else found.set(`${prefix}file`, await packed(run.toml));
+  for (const [path, value] of Object.entries(run.values)) found.set(`${prefix}v.${path}`, String(value));
+}
+
+async function readRun(found: URLSearchParams, prefix: string): Promise<Run | null> {
+  const scenario = found.get(`${prefix}s`), file = found.get(`${prefix}file`);
+  if (!scenario && !file) return null;
+  const start = `${prefix}v.`, values: Record<string, number> = {};
+  for (const [key, value] of found) {
+    if (key.startsWith(start) && Number.isFinite(Number(value))) values[key.slice(start.length)] = Number(value);
+  }
+  if (file) {
+    const toml = await unpacked(file);
+    return toml === null ? null : { toml, values };
+  }
+  return { scenario: scenario!, values };
+}
+
+const MOST_TEXT = 200_000; // characters unpacked: an address from elsewhere must not fill the memory
+
+async function packed(text: string): Promise<string> {
+  const stream = new Blob([text]).stream().pipeThrough(new CompressionStream("deflate-raw"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  let binary = "";
+  for (const byte of bytes) binary += String.fromCharCode(byte);
+  return btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+}
+
+async function unpacked(text: string): Promise<string | null> {
+  try {
+    const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+    const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw")).getReader();
+    const decoder = new TextDecoder();
+    let result = "";
+    for (;;) {
+      const { done, value } = await reader.read();
+      if (done) return result + decoder.decode();
+      result += decoder.decode(value, { stream: true });
+      if (result.length > MOST_TEXT) return null;
+    }
+  } catch {
+    return null;
+  }
+}
