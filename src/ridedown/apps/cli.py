@@ -337,6 +337,9 @@ def serve(
     host: Annotated[
         str, typer.Option("--host", help="Address to listen on; others than this machine need a token.")
     ] = "127.0.0.1",
+    studies: Annotated[
+        Path | None, typer.Option("--studies", metavar="DIR", help="Where studies started on the page are kept; none without.")
+    ] = None,
     open_browser: Annotated[bool, typer.Option("--open", help="Also open the page in a browser.")] = False,
 ) -> None:
     """Serve the live page: turn a knob, watch the crash.
@@ -344,9 +347,13 @@ def serve(
     Prints the address to open. Ctrl-C ends it.
     """
     with _plain_errors():
+        from ridedown.apps.output import check_folder
         from ridedown.apps.web.serve import serve as served
+        from ridedown.apps.web.studies import Studies
 
-        served(host, port, say=typer.echo, open_browser=open_browser)
+        if studies is not None:
+            check_folder(studies, option="--studies")
+        served(host, port, say=typer.echo, studies=Studies(studies), open_browser=open_browser)
 
 
 @app.command()

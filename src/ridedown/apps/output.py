@@ -11,7 +11,7 @@ from pathlib import Path
 from ridedown.errors import InvalidInput
 
 
-def check_folder(out: Path) -> None:
+def check_folder(out: Path, *, option: str = "--out") -> None:
     """Refuse a folder that cannot be one, before any work is done for it.
 
     Raises InvalidInput where `out`, or a folder on the way to it, is a file.
@@ -20,7 +20,7 @@ def check_folder(out: Path) -> None:
         if step.is_dir():
             return
         if step.exists() or step.is_symlink():
-            raise InvalidInput(f"--out: got {str(out)!r}; need a folder, but {step} is a file. Name another folder.")
+            raise InvalidInput(f"{option}: got {str(out)!r}; need a folder, but {step} is a file. Name another folder.")
 
 
 @contextmanager

@@ -133,7 +133,7 @@ function Picker({ live, run, onPick }: { live: ViewProps["live"]; run: Run; onPi
   );
 }
 
-const EXPORTS: [string, string][] = [["scenario", "Scenario"], ["csv", "CSV"], ["isomme", "ISO-MME"], ["report", "HTML report"], ["pdf", "PDF report"]];
+const EXPORTS: [string, string][] = [["scenario", "Scenario"], ["csv", "CSV"], ["isomme", "ISO-MME"], ["report", "HTML report"]];
 
 function Actions({ run, pin, onPin, onReset }: { run: Run; pin: Run | null; onPin: () => void; onReset: () => void }) {
   const [trouble, setTrouble] = useState("");
@@ -186,15 +186,19 @@ function TimeSlider({ curves, time, onMove }: { curves: Curves; time: number; on
   const last = [...curves.events].reverse().find((event) => event.time <= shown + 1e-6);
   return (
     <div class="time">
-      <button type="button" onClick={() => setPlaying(!playing)} aria-label={playing ? "Stop" : "Play, twenty times slower"}>{playing ? "❚❚" : "▶"}</button>
-      <button type="button" disabled={!before} onClick={() => before && onMove(before.time)} aria-label="To the event before">⏮</button>
+      <button type="button" onClick={() => setPlaying(!playing)} aria-label={playing ? "Stop" : "Play, twenty times slower"}><Icon path={playing ? "M4 3h3v10H4zM9 3h3v10H9z" : "M4 2.5v11l9-5.5z"} /></button>
+      <button type="button" disabled={!before} onClick={() => before && onMove(before.time)} aria-label="To the event before"><Icon path="M3 3h2v10H3zM13 3v10L6 8z" /></button>
       <input type="range" min={0} max={curves.end} step={curves.end / 1000 || "any"} value={shown} aria-label="Time"
         aria-valuetext={`${digits(1e3 * shown, 4)} milliseconds`} onInput={(event) => onMove(Number(Number(event.currentTarget.value).toPrecision(6)))} />
-      <button type="button" disabled={!after} onClick={() => after && onMove(after.time)} aria-label="To the next event">⏭</button>
+      <button type="button" disabled={!after} onClick={() => after && onMove(after.time)} aria-label="To the next event"><Icon path="M11 3h2v10h-2zM3 3v10l7-5z" /></button>
       <output>{(1e3 * shown).toFixed(1)} ms</output>
       <span class="quiet last-event">{last ? `${last.who}: ${last.what}` : ""}</span>
     </div>
   );
+}
+
+function Icon({ path }: { path: string }) {
+  return <svg class="icon" viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d={path} /></svg>;
 }
 
 function Events({ curves, onMove }: { curves: Curves; onMove: (time: number) => void }) {

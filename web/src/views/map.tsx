@@ -234,7 +234,7 @@ function draw(canvas: HTMLCanvasElement, map: CrashMap, limit: number | null, wi
   for (const level of niceSteps(low * scale, high * scale, 9)) {
     const lines = contours(map.values, nx, ny, level / scale);
     trace(pen, lines, toX, toY, "rgba(255,255,255,.75)", 1);
-    label(pen, lines, toX, toY, digits(level), inner.width);
+    label(pen, lines, toX, toY, digits(level), inner);
   }
   if (limit !== null) {
     hatch(pen, map.values, nx, ny, limit, toX, toY);
@@ -260,11 +260,13 @@ function trace(pen: CanvasRenderingContext2D, lines: Lines, toX: Place, toY: Pla
 }
 
 /** One label to a level, where its line is nearest the middle. */
-function label(pen: CanvasRenderingContext2D, lines: Lines, toX: Place, toY: Place, text: string, width: number): void {
+function label(pen: CanvasRenderingContext2D, lines: Lines, toX: Place, toY: Place, text: string, inner: { width: number; height: number }): void {
   let best: [number, number] | null = null, nearest = Infinity;
-  for (const [x1, y1] of lines) {
-    const away = Math.abs(toX(x1) - LEFT - 0.5 * width);
-    if (away < nearest) [best, nearest] = [[toX(x1), toY(y1)], away];
+  for (const [i, j] of lines) {
+    const x = toX(i), y = toY(j);
+    const inside = x > LEFT + 22 && x < LEFT + inner.width - 22 && y > TOP + 12 && y < TOP + inner.height - 12;
+    const away = Math.hypot(x - LEFT - 0.5 * inner.width, y - TOP - 0.5 * inner.height);
+    if (inside && away < nearest) [best, nearest] = [[x, y], away];
   }
   if (!best) return;
   const wide = pen.measureText(text).width + 8;

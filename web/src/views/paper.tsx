@@ -25,7 +25,7 @@ export function PaperView({ live, state, change, theme }: ViewProps) {
   return (
     <div class="stage">
       <p class="note">The vehicle is a reconstruction: the paper does not print its data.</p>
-      {paper.tables.map((table) => <section class="card" key={table.caption}><DataTable table={table} /></section>)}
+      {paper.tables.slice(0, 1).map((table) => <section class="card" key={table.caption}><DataTable table={table} /></section>)}
       <div class="plots">
         {paper.figures.map((figure) => (
           <div key={figure.name}>
@@ -37,6 +37,7 @@ export function PaperView({ live, state, change, theme }: ViewProps) {
           </div>
         ))}
       </div>
+      {paper.tables.slice(1).map((table) => <section class="card" key={table.caption}><DataTable table={table} /></section>)}
     </div>
   );
 }

@@ -14,7 +14,7 @@ from ridedown.apps.web.requests import scenario_of
 from ridedown.apps.web.sliders import sliders
 from ridedown.report.lines import G
 from ridedown.response import Response
-from ridedown.scenario import CrashScenario, NetworkScenario, Scenario, SledScenario, dump
+from ridedown.scenario import CrashScenario, NetworkScenario, SledScenario, dump
 from ridedown.simulation import simulate
 
 Message = Mapping[str, Any]
@@ -93,8 +93,3 @@ class Responses:
             while len(self._kept) > self._KEPT:
                 self._kept.pop(next(iter(self._kept)))
         return response
-
-
-def scenario_text(scenario: Scenario) -> str:
-    """The scenario as a file's text."""
-    return dump(scenario)

@@ -54,6 +54,9 @@ def application(*, token: str | None = None, studies: Studies | None = None) -> 
     async def exported(request: Request) -> Response:
         return await _answered(_export(request, server.slow))
 
+    async def study(request: Request) -> Response:
+        return await _answered(_study(request, server))
+
     async def state(_: Request) -> Response:
         return JSONResponse(server.state())
 
@@ -63,6 +66,7 @@ def application(*, token: str | None = None, studies: Studies | None = None) -> 
         WebSocketRoute("/live", live),
         Route("/upload", upload, methods=["POST"]),
         Route("/export/{kind}", exported, methods=["POST"]),
+        Route("/study/{name}/results.parquet", study),
         Mount("/assets", _Assets(directory=STATIC / "assets", check_dir=False)),
     ]
     return Guard(Starlette(routes=routes, lifespan=life), token)
@@ -100,7 +104,7 @@ async def _answered(work: Any) -> Response:
     """The answer, or what was wrong, as JSON with its status."""
     try:
         answer: Response = await work
-    except Exception as error:  # noqa: BLE001  one request that fails must not end the server
+    except Exception as error:  # one request that fails must not end the server
         told = refusal(error)
         return JSONResponse(told, told["status"])
     return answer
@@ -124,6 +128,13 @@ async def _export(request: Request, pool: Executor) -> Response:
     made = await asyncio.get_running_loop().run_in_executor(pool, export, request.path_params["kind"], message)
     headers = {"content-disposition": f'attachment; filename="{made.name}"'}
     return Response(made.content, media_type=made.media_type, headers=headers)
+
+
+async def _study(request: Request, server: Server) -> Response:
+    name = request.path_params["name"]
+    content = await asyncio.get_running_loop().run_in_executor(server.slow, server.studies.results, name)
+    headers = {"content-disposition": f'attachment; filename="{name}.parquet"'}
+    return Response(content, media_type="application/vnd.apache.parquet", headers=headers)
 
 
 async def _body(request: Request, most: int) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -74,8 +74,3 @@ def _drawn(response: Response) -> Iterator[str]:
     wanted += [f"{element}.deflection" for element in network.elements]
     wanted += [f"{occupant.name}.seat.excursion" for occupant in getattr(response.scenario, "occupants", ())]
     return (name for name in wanted if name in known)
-
-
-def readout(response: Response, time: float) -> Mapping[str, float]:
-    """Every channel at one time [s], SI, exact."""
-    return {name: float(response.at(name, time)) for name in response.channels}

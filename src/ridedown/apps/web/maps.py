@@ -46,22 +46,22 @@ def outcomes(scenario: Scenario) -> list[dict[str, Any]]:
 def crash_map(scenario: Scenario, message: Mapping[str, Any]) -> Frame:
     """Crashes on a grid of `x` and `y`, parameter paths, and their `outcome`; signs are dropped from peaks.
 
-    Arrays: `x` (n,), `y` (n,), `outcome` (n, n), a row for each y; NaN where a crash could not be solved. `low` and `high`, pairs
-    for x and y, replace the ends of the sliders.
+    Arrays: `x` (n,), `y` (n,), `outcome` (n, n), a row for each y; NaN where a crash could not be solved. `x_ends` and
+    `y_ends`, pairs, replace the ends of the sliders.
 
     Raises: InvalidInput, UnknownName, naming the field.
     """
     side = _side(message.get("side", USUAL_SIDE))
     known = {one["name"]: one for one in outcomes(scenario)}
-    outcome = message.get("outcome")
+    outcome = str(message.get("outcome"))[:200]
     if outcome not in known:
-        raise UnknownName.among("outcome", str(outcome)[:100], known)
+        raise UnknownName.among("outcome", outcome, known)
     first, second = (_path(message, axis, ends(scenario)) for axis in ("x", "y"))
     if first == second:
         raise InvalidInput(f"y: got {second}, the parameter of x too; need two different ones. Choose another.")
     x, y = (_column(message, axis, ends(scenario)[path], side) for axis, path in (("x", first), ("y", second)))
     table = {first: np.tile(x, side), second: np.repeat(y, side)}
-    many = simulate_many(scenario, table, outcomes=[outcome], threads=2)
+    many = simulate_many(_concerned(scenario, {outcome, first, second}), table, outcomes=[outcome], threads=2)
     values = np.where(many.completed, many[outcome], np.nan)
     header = {
         "kind": "map",
@@ -72,6 +72,15 @@ def crash_map(scenario: Scenario, message: Mapping[str, Any]) -> Frame:
         "failed": int(side * side - many.completed.sum()),
     }
     return header, {"x": x, "y": y, "outcome": finite(np.abs(values).reshape(side, side))}
+
+
+def _concerned(scenario: Scenario, names: set[str]) -> Scenario:
+    """The scenario without the occupants that no name is of, and who push on nothing: they change nobody's motion."""
+    if isinstance(scenario, NetworkScenario):
+        return scenario
+    meant = {name.partition(".")[0] for name in names}
+    kept = tuple(one for one in scenario.occupants if one.coupled or one.name in meant)
+    return scenario.model_copy(update={"occupants": kept})
 
 
 def _side(given: object) -> int:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from ridedown import catalogue
 from ridedown.apps.web.refusals import TooMuch
 from ridedown.errors import InvalidInput
 from ridedown.scenario import Scenario, load, substitute
+from ridedown.scenario.reading import table_in
 
 MOST_TEXT = 100_000
 """Characters of a scenario file: the longest of the catalogue has 4,000; a measured pulse in points, 20,000."""
@@ -76,13 +77,7 @@ def _text(text: object) -> str:
 @lru_cache(_KEPT)
 def _read(text: str) -> Scenario:
     """The scenario of a file's text."""
-    try:
-        data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        what = "tables nested too deeply" if isinstance(error, RecursionError) else f"a TOML syntax error ({error})"
-        raise InvalidInput(f"scenario: got {what}; need TOML. Mend that line.") from None
-    if not data:
-        raise InvalidInput("scenario: got an empty file; need a scenario. Start from one of the catalogue.")
+    data = table_in(Path("scenario.toml"), text, "need a scenario. Start from one of the catalogue.")
     refuse_files(data)
     for part in ("occupants", "masses", "elements"):
         count = len(data[part]) if isinstance(data.get(part), list) else 0

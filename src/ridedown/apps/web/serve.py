@@ -49,7 +49,7 @@ def serve(
 def address_of(host: str, port: int, token: str | None = None) -> str:
     """The address of the page as a browser takes it."""
     name = f"[{host}]" if ":" in host else host
-    if host in {"0.0.0.0", "::"}:  # noqa: S104  every address of this machine: its name is one that others know
+    if host in {"0.0.0.0", "::"}:
         name = socket.gethostname()
     return f"http://{name}:{port}/" + (f"?token={token}" if token else "")
 
@@ -62,6 +62,7 @@ def _listening(host: str, port: int) -> socket.socket:
     made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         made.bind((host, port))
+        made.listen(128)  # from the moment that the address is told, whoever opens it waits and is not refused
     except OSError as problem:
         made.close()
         field = "--host" if isinstance(problem, socket.gaierror) else "--port"

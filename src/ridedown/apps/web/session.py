@@ -89,7 +89,7 @@ class Session:
                 await self.server.ready.wait()
             loop = asyncio.get_running_loop()
             return await loop.run_in_executor(pool, _encoded, compute, message, about)
-        except Exception as error:  # noqa: BLE001  one request that fails must not end the session
+        except Exception as error:  # one request that fails must not end the session
             return {**refusal(error), **about}
 
     def _job(self, message: Message) -> tuple[Callable[[Message], answers.Answer], Executor]:

@@ -31,7 +31,7 @@ class Server:
         """Compile what is not compiled, and simulate once, so that the first answer is as quick as all others."""
         try:
             await asyncio.get_running_loop().run_in_executor(self.slow, _warm)
-        except Exception as error:  # noqa: BLE001  said on the page; a request will meet the same error and tell it
+        except Exception as error:  # said on the page; a request will meet the same error and tell it
             self.trouble = f"{type(error).__name__}: {error}"
         finally:
             self.ready.set()
