@@ -28,11 +28,13 @@ export function App() {
   const [state, setState] = useState<State | null>(null);
   const [status, setStatus] = useState<Status>(live.status);
   const [theme, setTheme] = useTheme();
-  const own = useRef<string | null>(null); // the address that this page itself wrote last
+  const own = useRef<string | null>(null); // the address that the state was read from, or written to
 
   useEffect(() => {
     const follow = async () => {
-      if (location.hash !== own.current) setState(await read(location.hash));
+      if (location.hash === own.current) return;
+      own.current = location.hash;
+      setState(await read(location.hash));
     };
     void follow();
     addEventListener("hashchange", follow);
@@ -49,12 +51,12 @@ export function App() {
     if (!state) return;
     const later = setTimeout(async () => {
       const hash = await write(state);
-      if (hash === location.hash) return;
-      own.current = hash;
       const way = lastView.current && lastView.current !== state.view ? "pushState" : "replaceState";
-      history[way](null, "", hash);
       lastView.current = state.view;
       document.title = `${NAMES[state.view]} · ridedown`;
+      if (hash === location.hash) return;
+      own.current = hash;
+      history[way](null, "", hash);
     }, 120);
     return () => clearTimeout(later);
   }, [state]);

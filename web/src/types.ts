@@ -57,7 +57,7 @@ export interface Results {
 }
 
 export interface CrashMap {
-  kind: "map"; x: string; y: string; outcome: OutcomeInfo; crashes: number; failed: number;
+  kind: "map"; x: string; y: string; outcome: OutcomeInfo; crashes: number; failed: number; refused: number; why: string;
   xs: Float64Array; ys: Float64Array; values: Float32Array;
 }
 

@@ -6,14 +6,11 @@ import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
+from playwright.sync_api import Browser, sync_playwright
 
 from tests.apps.web.running import Running, measured_zip, running
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data" / "nhtsa_v10146"
 
@@ -29,10 +26,8 @@ def browser() -> Iterator[Browser]:
     """Debian's Chromium, driven by playwright."""
     found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     if found is None:
-        assert not os.environ.get("CI"), "no Chromium: continuous integration tests the page in one (scripts/setup installs it)"
+        assert not os.environ.get("CI"), "no Chromium: in CI the page is tested in one (scripts/setup installs it)"
         pytest.skip("no Chromium on this machine: apt-get install chromium")
-    from playwright.sync_api import sync_playwright
-
     with sync_playwright() as playwright:
         made = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
         yield made

@@ -7,10 +7,11 @@ import os
 import re
 import subprocess
 import sys
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from http.client import HTTPConnection, HTTPResponse
+from http.client import HTTPConnection
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ class Running:
 
     port: int
     token: str
-    process: subprocess.Popen[str]
+    process: subprocess.Popen[str] | None
 
     @property
     def address(self) -> str:
@@ -37,20 +38,36 @@ class Running:
     @contextmanager
     def socket(self, **options: Any) -> Iterator[Socket]:
         """A socket as the page opens it, once the server is ready."""
-        with connect(f"ws://127.0.0.1:{self.port}/live", **{"origin": self.address, "max_size": None, **options}) as made:
+        with self.opened(**options) as made:
             socket = Socket(made)
             socket.until_ready()
             yield socket
 
-    def request(self, method: str, path: str, body: Any = None, **headers: str) -> HTTPResponse:
-        """One request, its answer read. An underscore in a header's name is a hyphen; None leaves out what is usual."""
+    def opened(self, **options: Any) -> ClientConnection:
+        """A socket as the page opens it, at once."""
+        made: ClientConnection = connect(
+            f"ws://127.0.0.1:{self.port}/live", **{"origin": self.address, "max_size": None, **options}
+        )
+        return made
+
+    def request(self, method: str, path: str, body: Any = None, **headers: str) -> Answered:
+        """One request. An underscore in a header's name is a hyphen."""
         connection = HTTPConnection("127.0.0.1", self.port, timeout=WAIT)
         usual = {"Origin": self.address} if method == "POST" else {}
         connection.request(method, path, body, usual | {name.replace("_", "-"): value for name, value in headers.items()})
         answer = connection.getresponse()
-        answer.content = answer.read()  # type: ignore[attr-defined]
+        found = Answered(answer.status, {name.lower(): value for name, value in answer.getheaders()}, answer.read())
         connection.close()
-        return answer
+        return found
+
+
+@dataclass(frozen=True)
+class Answered:
+    """The answer to a request; the names of its headers are small."""
+
+    status: int
+    headers: dict[str, str]
+    content: bytes
 
 
 class Socket:
@@ -102,8 +119,6 @@ def running(*options: str, environment: dict[str, str] | None = None) -> Iterato
 
 def measured_zip(folder: Path, target: Path) -> Path:
     """The test in a folder, as its laboratory would send it."""
-    import zipfile  # noqa: PLC0415
-
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for file in sorted(folder.iterdir()):
             if file.name.lower().startswith("v10146"):

@@ -13,9 +13,9 @@ from ridedown.apps.web.frames import decode, encode
 from ridedown.apps.web.sliders import sliders
 from ridedown.limits import assess
 from ridedown.scenario import dump, load, parameters, substitute
+from ridedown.signals import read
 from ridedown.simulation import simulate, simulate_many
 from ridedown.studies.sled_of_test import sled_of_test
-from ridedown.signals import read
 from tests.apps.web.running import Running
 
 SINGLE = 2.0**-23
@@ -53,7 +53,9 @@ def test_curves_are_those_of_the_library(server: Running, name: str) -> None:
     assert [(e["time"], e["who"], e["what"]) for e in found["events"]] == [(e.time, e.who, e.what) for e in response.events]
     for i, channel in enumerate(found["channels"]):
         exact = response.at(channel, found["time"])
-        np.testing.assert_allclose(found["values"][i], exact, rtol=2 * SINGLE, atol=SINGLE * np.abs(exact).max(), err_msg=channel)
+        np.testing.assert_allclose(
+            found["values"][i], exact, rtol=2 * SINGLE, atol=SINGLE * np.abs(exact).max(), err_msg=channel
+        )
     drawn = {found["channels"][line["row"]] for figure in found["figures"] for line in figure["lines"]}
     assert {c for c in response.channels if c.endswith(".acceleration") and "seat" not in c and "bar" not in c} >= {
         c for c in drawn if c.endswith(".acceleration")
@@ -65,7 +67,9 @@ def test_verdicts_are_those_of_the_library(server: Running) -> None:
         found = socket.ask("results", lane="results", scenario="example-offset", values=VALUES)
     response = simulate(substitute(load("example-offset"), VALUES))
     for rule in ("FMVSS 208", "UN R44"):
-        expected = [(one.subject, one.shown(one.value), one.shown(one.limit)) for one in assess(response, rule).judgements if one.value]
+        expected = [
+            (one.subject, one.shown(one.value), one.shown(one.limit)) for one in assess(response, rule).judgements if one.value
+        ]
         assert [(v["subject"], v["value"], v["limit"]) for v in found["verdicts"] if v["regulation"] == rule] == expected
     peaks = {one["channel"]: (one["value"], one["time"]) for one in found["peaks"]}
     top = response.peak("driver.acceleration")
@@ -109,7 +113,7 @@ def test_exports(server: Running, kind: str, begins: bytes) -> None:
     answer = server.request("POST", f"/export/{kind}", json.dumps({"scenario": "p1", "values": {"adult.mass": 71.0}}))
     assert answer.status == 200
     assert answer.content[: len(begins)].lower() == begins.lower()
-    assert answer.getheader("content-disposition", "").startswith('attachment; filename="p1')
+    assert answer.headers["content-disposition"].startswith('attachment; filename="p1')
     if kind == "scenario":
         assert "71 kg" in answer.content.decode()
 
@@ -141,7 +145,7 @@ def test_the_newest_of_a_lane_wins(server: Running) -> None:
         last = 0
         for i in range(60):
             last = socket.send("simulate", scenario="example-offset", values={"vehicle1.mass": 1000.0 + i})
-        answered = []
+        answered: list[int] = []
         while not answered or answered[-1] != last:
             answered.append(socket.receive()[0]["id"])
     assert answered == sorted(answered)

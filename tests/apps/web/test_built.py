@@ -22,7 +22,8 @@ def hashes(folder: Path, names: list[str]) -> dict[str, str]:
 
 @pytest.fixture(scope="module")
 def built() -> dict[str, dict[str, str]]:
-    return json.loads((STATIC / "built.json").read_text())
+    found: dict[str, dict[str, str]] = json.loads((STATIC / "built.json").read_text())
+    return found
 
 
 def test_it_was_built_from_these_sources(built: dict[str, dict[str, str]]) -> None:
@@ -37,7 +38,9 @@ def test_nothing_was_changed_since(built: dict[str, dict[str, str]]) -> None:
 
 
 def test_it_is_small() -> None:
-    size = sum(len(gzip.compress(path.read_bytes())) for path in STATIC.rglob("*") if path.is_file() and path.name != "built.json")
+    size = sum(
+        len(gzip.compress(path.read_bytes())) for path in STATIC.rglob("*") if path.is_file() and path.name != "built.json"
+    )
     assert size < MOST
 
 

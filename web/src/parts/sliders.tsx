@@ -50,7 +50,7 @@ const Slider = memo(function Slider({ info, value, changed, refused, onChange, o
   return (
     <div class={`slider${changed ? " changed" : ""}`}>
       <label for={`s-${path}`}>{label}</label>
-      <input id={`s-${path}`} type="range" min={low} max={high} step={(high - low) / 400 || "any"} value={value} aria-label={name}
+      <input id={`s-${path}`} type="range" min={low} max={high} step="any" value={value} aria-label={name}
         aria-valuetext={show(value, unit, path)}
         onInput={(event) => onChange(path, fine(Number(event.currentTarget.value)), event.timeStamp)} />
       <span class="typed">
@@ -67,5 +67,5 @@ const Slider = memo(function Slider({ info, value, changed, refused, onChange, o
 
 /** What a slider gives, without the noise of its last digits: addresses stay short. */
 function fine(value: number): number {
-  return Number(value.toPrecision(6));
+  return Number(value.toPrecision(4));
 }

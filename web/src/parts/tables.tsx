@@ -69,7 +69,7 @@ export function EnergyBars({ energy, pinned }: { energy: Energy; pinned?: Energy
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9);
   return (
     <section aria-label="Where the energy went">
-      <h3>Where {digits(energy.initial / 1e3, 4)} kJ went</h3>
+      <h2 class="small">Where {digits(energy.initial / 1e3, 4)} kJ went</h2>
       <ul class="bars">
         {rows.map(([name, value], i) => (
           <li key={name}>

@@ -66,7 +66,7 @@ export function MapView({ live, state, change, theme }: ViewProps) {
       </aside>
       <div class="stage">
         {map && <Drawing map={map} x={x} y={y} at={at} limit={limit} theme={theme} onGo={go} />}
-        {map && <p class="quiet">{map.crashes.toLocaleString("en")} crashes{map.failed ? `, ${map.failed} of them not solved to their end` : ""}. Click to go there, or use the arrow keys.</p>}
+        {map && <p class="quiet">{map.crashes.toLocaleString("en")} crashes{map.failed ? `, ${map.failed} of them not solved to their end` : ""}{map.refused ? `; ${map.refused.toLocaleString("en")} left out: ${map.why}` : ""}. Click to go there, or use the arrow keys.</p>}
       </div>
     </div>
   );

@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ridedown.apps.web.crash import Frame, finite
 from ridedown.apps.web.sliders import ends
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.report.lines import G, vehicles
-from ridedown.scenario import NetworkScenario, Scenario
+from ridedown.scenario import NetworkScenario, Scenario, broken_rules
 from ridedown.simulation import simulate_many
+
+Floats = NDArray[np.float64]
 
 USUAL_SIDE, MOST_SIDE = 100, 200
 """Crashes along each side of a map."""
@@ -46,7 +49,8 @@ def outcomes(scenario: Scenario) -> list[dict[str, Any]]:
 def crash_map(scenario: Scenario, message: Mapping[str, Any]) -> Frame:
     """Crashes on a grid of `x` and `y`, parameter paths, and their `outcome`; signs are dropped from peaks.
 
-    Arrays: `x` (n,), `y` (n,), `outcome` (n, n), a row for each y; NaN where a crash could not be solved. `x_ends` and
+    Arrays: `x` (n,), `y` (n,), `outcome` (n, n), a row for each y; NaN where a crash could not be solved, or breaks a
+    rule of the scenario. `x_ends` and
     `y_ends`, pairs, replace the ends of the sliders.
 
     Raises: InvalidInput, UnknownName, naming the field.
@@ -61,17 +65,32 @@ def crash_map(scenario: Scenario, message: Mapping[str, Any]) -> Frame:
         raise InvalidInput(f"y: got {second}, the parameter of x too; need two different ones. Choose another.")
     x, y = (_column(message, axis, ends(scenario)[path], side) for axis, path in (("x", first), ("y", second)))
     table = {first: np.tile(x, side), second: np.repeat(y, side)}
-    many = simulate_many(_concerned(scenario, {outcome, first, second}), table, outcomes=[outcome], threads=2)
-    values = np.where(many.completed, many[outcome], np.nan)
+    allowed, why = _allowed(scenario, table)
+    values = np.full(side * side, np.nan)
+    if allowed.any():
+        rows = {path: column[allowed] for path, column in table.items()}
+        many = simulate_many(_concerned(scenario, {outcome, first, second}), rows, outcomes=[outcome], threads=2)
+        values[allowed] = np.where(many.completed, np.abs(many[outcome]), np.nan)
     header = {
         "kind": "map",
         "x": first,
         "y": second,
         "outcome": known[outcome],
-        "crashes": side * side,
-        "failed": int(side * side - many.completed.sum()),
+        "crashes": int(allowed.sum()),
+        "failed": int(np.isnan(values[allowed]).sum()),
+        "refused": int(np.count_nonzero(~allowed)),
+        "why": why,
     }
-    return header, {"x": x, "y": y, "outcome": finite(np.abs(values).reshape(side, side))}
+    return header, {"x": x, "y": y, "outcome": finite(values.reshape(side, side))}
+
+
+def _allowed(scenario: Scenario, table: Mapping[str, Floats]) -> tuple[NDArray[np.bool_], str]:
+    """The rows that may be simulated, and the rule that most of the others break."""
+    broken = broken_rules(scenario, table)
+    allowed = np.ones(next(iter(table.values())).size, dtype=np.bool_)
+    for mask in broken.values():
+        allowed &= ~mask
+    return allowed, max(broken, key=lambda rule: np.count_nonzero(broken[rule]), default="")
 
 
 def _concerned(scenario: Scenario, names: set[str]) -> Scenario:
@@ -90,13 +109,13 @@ def _side(given: object) -> int:
 
 
 def _path(message: Mapping[str, Any], axis: str, known: Mapping[str, tuple[float, float]]) -> str:
-    path = message.get(axis)
+    path = str(message.get(axis))[:200]
     if path not in known:
-        raise UnknownName.among("parameter", str(path)[:100], known)
-    return str(path)
+        raise UnknownName.among("parameter", path, known)
+    return path
 
 
-def _column(message: Mapping[str, Any], axis: str, usual: tuple[float, float], side: int) -> np.ndarray[Any, Any]:
+def _column(message: Mapping[str, Any], axis: str, usual: tuple[float, float], side: int) -> Floats:
     """Evenly spaced values from one end to the other."""
     given = message.get(f"{axis}_ends") or usual
     try:

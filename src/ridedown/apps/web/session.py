@@ -94,7 +94,7 @@ class Session:
 
     def _job(self, message: Message) -> tuple[Callable[[Message], answers.Answer], Executor]:
         """What answers a request, and on which threads."""
-        server, kind = self.server, message.get("kind")
+        server, kind = self.server, str(message.get("kind"))
         jobs: dict[str, tuple[Callable[[Message], answers.Answer], Executor]] = {
             "catalogue": (answers.catalogue, server.quick),
             "describe": (answers.describe, server.quick),
@@ -107,7 +107,7 @@ class Session:
             "study": (server.studies.answer, server.slow),
         }
         if kind not in jobs:
-            raise InvalidInput(f"kind: got {str(kind)[:50]!r}; need one of {', '.join(jobs)}.")
+            raise InvalidInput(f"kind: got {kind[:50]!r}; need one of {', '.join(jobs)}.")
         return jobs[kind]
 
     async def _send(self, answer: bytes | dict[str, Any]) -> None:

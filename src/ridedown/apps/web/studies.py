@@ -56,10 +56,10 @@ class Studies:
         Raises: InvalidInput, UnknownName.
         """
         actions = {"list": lambda _: None, "start": self._start, "resume": self._resume, "cancel": self._cancel}
-        action = message.get("action")
+        action = str(message.get("action"))
         if action not in actions:
-            raise UnknownName.among("action", str(action)[:50], actions)
-        actions[str(action)](message)
+            raise UnknownName.among("action", action[:50], actions)
+        actions[action](message)
         return self._standing()
 
     def close(self) -> None:

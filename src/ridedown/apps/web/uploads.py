@@ -28,6 +28,7 @@ MOST_TESTS = 16
 MOST_CHANNELS = 8
 """Channels drawn at once."""
 
+_CLASSES = (None, 60, 180, 600, 1000)
 _POINTS = 2000  # of one curve: a screen is narrower
 
 
@@ -76,7 +77,7 @@ class Uploads:
         if not isinstance(keys, list) or not 1 <= len(keys) <= MOST_CHANNELS:
             raise InvalidInput(f"channels: got {type(keys).__name__}; need a list of 1 to {MOST_CHANNELS}. Choose fewer.")
         cfc = message.get("cfc")
-        if cfc not in {None, 60, 180, 600, 1000}:
+        if cfc not in _CLASSES:
             raise InvalidInput(f"cfc: got {cfc!r}; need 60, 180, 600, 1000, or none.")
         histories = [record.history(str(key)[:200]) for key in keys]
         if cfc is not None:
@@ -92,10 +93,10 @@ class Uploads:
         return header, {"time": times, "values": finite(np.array(values))}
 
     def _of(self, message: Mapping[str, Any]) -> Upload:
-        key = message.get("test")
+        key = str(message.get("test"))
         with self._lock:
             if key in self._kept:
-                return self._kept[str(key)]
+                return self._kept[key]
         raise UnknownName("test: this server does not hold it any more; it keeps tests in memory only. Drop the file again.")
 
 

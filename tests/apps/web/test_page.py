@@ -1,0 +1,394 @@
+"""The page in real Chromium: every view and control, the address that holds its state, accessibility, no request elsewhere."""
+
+from __future__ import annotations
+
+import re
+import socket as sockets
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from ridedown.scenario import dump, load, substitute
+from ridedown.simulation import simulate
+from tests.apps.web.running import Running, running
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, ConsoleMessage, Page
+
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # playwright's own pipes, on the way out
+
+G = 9.80665
+READY = ".status.ready"
+SOON = 30e3  # ms
+PHONE = {"width": 390, "height": 844}
+VIEWS = ("crash", "map", "test", "paper", "study")
+SHOWN = {"crash": ".results table", "map": ".map canvas", "test": ".drop", "paper": ".plot >> nth=13", "study": ".study-new"}
+"""What is there once a view is."""
+
+
+class Watched:
+    """Pages of one test, of which every complaint and every request elsewhere is noted."""
+
+    def __init__(self, browser: Browser, server: Running) -> None:
+        self.browser, self.server = browser, server
+        self.troubles: list[str] = []
+        self.contexts: list[Any] = []
+
+    def open(self, hash_: str = "", wait: str = ".results table", **options: Any) -> Page:
+        context = self.browser.new_context(**{"viewport": {"width": 1400, "height": 1000}, "accept_downloads": True, **options})
+        self.contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(SOON)
+        page.on("console", self._hear)
+        page.on("pageerror", lambda error: self.troubles.append(str(error)))
+        page.on("request", lambda request: self._note(request.url))
+        page.on("websocket", lambda made: self._note(made.url))
+        page.goto(f"{self.server.address}/{hash_}")
+        page.wait_for_selector(READY)
+        page.wait_for_selector(wait)
+        return page
+
+    def _hear(self, said: ConsoleMessage) -> None:
+        if said.type in {"error", "warning"}:
+            self.troubles.append(f"{said.type}: {said.text}")
+
+    def _note(self, url: str) -> None:
+        own = (self.server.address, self.server.address.replace("http", "ws"), f"blob:{self.server.address}")
+        if not url.startswith(own):
+            self.troubles.append(f"request to {url}")
+
+
+@pytest.fixture
+def watched(browser: Browser, server: Running) -> Iterator[Watched]:
+    made = Watched(browser, server)
+    yield made
+    for context in made.contexts:
+        context.close()
+    assert made.troubles == []
+
+
+def slide(page: Page, path: str, value: float) -> None:
+    """Drag a slider to a value."""
+    page.locator(f'[id="s-{path}"]').evaluate(
+        "(input, value) => { input.value = value; input.dispatchEvent(new Event('input', { bubbles: true })); }", value
+    )
+
+
+def settled(page: Page) -> None:
+    """Wait until the tables are those of the curves, and the address holds the state."""
+    page.wait_for_timeout(250)
+    page.wait_for_selector(".results:not(.stale)")
+
+
+def number(text: str) -> float:
+    return float(re.sub(r"[^0-9.−-]", "", text).replace("−", "-"))
+
+
+def legend(page: Page, title: str) -> dict[str, float]:
+    """The values beside the lines of a plot, at the moment chosen."""
+    found = {}
+    for item in page.locator(".plot", has_text=title).first.locator(".legend li").all():
+        value = item.locator("b").inner_text()
+        found[item.inner_text().replace(value, "").strip()] = number(value)
+    return found
+
+
+def test_what_it_shows_is_what_the_library_returns(watched: Watched) -> None:
+    page = watched.open("#/crash?s=example-offset&t=0.08")
+    slide(page, "vehicle1.mass", 1050.0)
+    slide(page, "bar.overlap", 0.45)
+    settled(page)
+    response = simulate(substitute(load("example-offset"), {"vehicle1.mass": 1050.0, "bar.overlap": 0.45}))
+    for who, shown in legend(page, "Acceleration").items():
+        # the curve's value at the last of its times that is not after the moment: half a millisecond before it at most
+        near = response.at(f"{who}.acceleration", [0.0795, 0.08]) / G
+        assert min(near) - 0.06 <= shown <= max(near) + 0.06
+    said = page.locator(".plot", has_text="Acceleration").first.locator("[role=img]").get_attribute("aria-label") or ""
+    peak = response.peak("driver.acceleration")
+    assert re.search(rf"driver −{abs(peak.value) / G:.1f} g at", said), said
+    row = page.locator(".verdicts tr", has_text="FMVSS 208").first.inner_text()
+    clip = watched_clip(response)
+    assert f"{clip:.2f}"[:4] in row
+    energy = page.locator("section[aria-label='Where the energy went'] h2").inner_text()
+    assert number(energy.removesuffix(" kJ went")) == pytest.approx(response.energy.initial / 1e3, rel=1e-3)
+
+
+def watched_clip(response: Any) -> float:
+    from ridedown.criteria import clip  # noqa: PLC0415
+
+    return clip(*response.history("driver.acceleration").si).value / G
+
+
+def test_every_slider_redraws_every_plot(watched: Watched) -> None:
+    page = watched.open()
+    said = page.locator(".plot [role=img]").evaluate_all("all => all.map((one) => one.ariaLabel)")
+    assert len(said) == 7
+    slide(page, "vehicle2.speed", 20.0)
+    settled(page)
+    after = page.locator(".plot [role=img]").evaluate_all("all => all.map((one) => one.ariaLabel)")
+    assert all(a != b for a, b in zip(said, after, strict=True))
+    assert page.evaluate("performance.getEntriesByName('ridedown:redraw').length") >= 1
+
+
+def test_numbers_are_typed_with_units(watched: Watched) -> None:
+    page = watched.open()
+    field = page.get_by_label("vehicle1, speed, typed, km/h")
+    for text, shown in (("64", "64"), ("20 m/s", "72"), ("5 kg", "72"), ("nonsense", "72")):
+        field.fill(text)
+        field.press("Enter")
+        page.wait_for_timeout(50)
+        assert field.input_value() == shown
+    settled(page)
+    assert "v.vehicle1.speed=20" in page.url
+    page.get_by_role("button", name="vehicle1, speed: as in the scenario").click()
+    assert field.input_value() == "50"
+    settled(page)
+    assert "v.vehicle1.speed" not in page.url
+
+
+def test_what_is_refused_is_said_beside_its_slider(watched: Watched) -> None:
+    page = watched.open("#/crash?s=example-restraints")
+    field = page.get_by_label("driver, shoulder-belt, load limiter, force, typed, kN")
+    field.fill("1")
+    field.press("Enter")
+    page.wait_for_selector(".slider .refused")
+    assert "need more than pretensioners.0.stall_force" in page.locator(".slider .refused").inner_text()
+    page.get_by_role("button", name="Reset all").click()
+    page.wait_for_selector(".slider .refused", state="detached")
+
+
+def test_the_address_is_the_state(watched: Watched) -> None:
+    page = watched.open("#/crash?s=example-offset")
+    page.get_by_role("button", name="Pin this run").click()
+    slide(page, "driver.restraint.slack", 0.04)
+    page.get_by_role("button", name="child", exact=True).click()
+    page.get_by_label("every number").check()
+    page.get_by_label("Time", exact=True).focus()
+    for _ in range(5):
+        page.keyboard.press("ArrowRight")
+    settled(page)
+    page.wait_for_selector("th:has-text('Pinned')")
+
+    def state(of: Page) -> list[Any]:
+        return [
+            of.locator("input[type=range]").evaluate_all("all => all.map((one) => [one.id, one.value])"),
+            of.locator(".time output").inner_text(),
+            of.locator(".tabs [aria-pressed=true]").all_inner_texts(),
+            of.locator(".verdicts").inner_text(),
+            of.locator(".plot [role=img]").evaluate_all("all => all.map((one) => one.ariaLabel)"),
+        ]
+
+    other = watched.open("#" + page.url.partition("#")[2], wait="th:has-text('Pinned')")
+    settled(other)
+    assert state(other) == state(page)
+    assert other.url == page.url
+    page.reload()
+    page.wait_for_selector("th:has-text('Pinned')")
+    settled(page)
+    assert state(page) == state(other)
+
+
+def test_back_and_forward(watched: Watched) -> None:
+    page = watched.open()
+    page.get_by_role("button", name="Paper").click()
+    page.wait_for_selector(SHOWN["paper"])
+    page.wait_for_timeout(300)
+    page.go_back()
+    page.wait_for_selector(".crash")
+    page.go_forward()
+    page.wait_for_selector(SHOWN["paper"])
+
+
+def test_time_is_scrubbed_played_and_stepped(watched: Watched) -> None:
+    page = watched.open("#/crash?s=example-offset&t=0.05")
+    line = page.locator(".moment").first
+    before = line.evaluate("one => one.style.transform")
+    page.get_by_role("button", name="To the next event").click()
+    assert line.evaluate("one => one.style.transform") != before
+    shown = page.locator(".time output").inner_text()
+    response = simulate(load("example-offset"))
+    following = next(event.time for event in response.events if event.time > 0.05)
+    assert number(shown.removesuffix(" ms")) == pytest.approx(1e3 * following, abs=0.06)
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_timeout(400)
+    page.get_by_role("button", name="Stop").click()
+    assert page.locator(".time output").inner_text() != shown
+    area = page.locator(".plot .u-over").first
+    box = area.bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert number(page.locator(".time output").inner_text().removesuffix(" ms")) == pytest.approx(100.0, abs=1.0)
+
+
+def test_the_map_goes_where_it_is_clicked(watched: Watched) -> None:
+    page = watched.open("#/map?s=example-offset", wait=SHOWN["map"])
+    canvas = page.locator(".map canvas")
+    box = canvas.bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 0.3 * box["height"])
+    page.wait_for_timeout(300)
+    found = re.search(r"v\.driver\.restraint\.stiffness=([\d.]+)&v\.driver\.restraint\.slack=([\d.]+)", page.url)
+    assert found is not None
+    here = page.locator(".panel [role=status] b").inner_text()
+    values = {"driver.restraint.stiffness": float(found[1]), "driver.restraint.slack": float(found[2])}
+    peak = abs(simulate(substitute(load("example-offset"), values)).peak("driver.acceleration").value) / G
+    assert number(here.removesuffix(" g")) == pytest.approx(peak, rel=2e-3)  # between the crashes of the map
+    canvas.focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_timeout(300)
+    assert found[0] not in page.url
+    page.get_by_label("Outcome").select_option("driver.excursion.max")
+    page.wait_for_selector("figcaption:has-text('driver, excursion, mm')")
+    page.get_by_label("Limit, mm").fill("300")
+    page.get_by_label("Limit, mm").press("Enter")
+    page.wait_for_selector("figcaption:has-text('limit 300 mm')")
+    page.get_by_role("button", name="See this crash").click()
+    page.wait_for_selector(".results table")
+
+
+def test_a_measured_test_is_dropped_and_becomes_a_sled(watched: Watched, measured: Path, tmp_path: Path) -> None:
+    page = watched.open("#/test", wait=SHOWN["test"])
+    hostile = tmp_path / "evil.zip"
+    hostile.write_bytes(b"PK\x03\x04" + bytes(100))
+    page.locator(".drop input").set_input_files(hostile)
+    page.wait_for_selector(".refused")
+    watched.troubles = [said for said in watched.troubles if "422" not in said]  # the browser's own word of the answer
+    page.locator(".drop input").set_input_files(measured)
+    page.wait_for_selector("h2:has-text('CAMRY')")
+    rows = page.locator("tr", has_text="HIC15").all_inner_texts()
+    assert any("139.8" in row and "140" in row for row in rows)  # ours beside the laboratory's
+    page.get_by_label("Find channels").fill("head x")
+    page.locator(".chooser li input").first.check()
+    page.get_by_role("button", name="CFC 1000").click()
+    page.wait_for_selector(".legend li >> nth=2")
+    page.wait_for_timeout(300)
+    other = watched.open("#" + page.url.partition("#")[2], wait=".legend li >> nth=2")
+    assert other.locator(".legend li").all_inner_texts() == page.locator(".legend li").all_inner_texts()
+    page.get_by_role("button", name="Use as pulse").click()
+    page.wait_for_selector(".results:not(.stale) table")
+    assert legend(page, "Velocity")["vehicle1"] != 0.0
+    settled(page)
+    again = watched.open("#" + page.url.partition("#")[2])  # the whole pulse is in the address
+    assert again.locator(".plot [role=img]").first.get_attribute("aria-label") == page.locator(
+        ".plot [role=img]"
+    ).first.get_attribute("aria-label")
+
+
+def test_a_test_that_is_gone_is_said(watched: Watched) -> None:
+    page = watched.open("#/test?test=0123456789&channel=1", wait=".refused")
+    assert "Drop the file again" in page.locator(".refused").inner_text()
+
+
+def test_a_scenario_of_ones_own_and_a_hostile_one(watched: Watched, tmp_path: Path) -> None:
+    own, hostile = tmp_path / "own.toml", tmp_path / "hostile.toml"
+    own.write_text(dump(substitute(load("p1"), {"adult.mass": 66.0})))
+    hostile.write_text('[pulse]\nkind = "measured"\nfile = "/etc/passwd"\nchannels = "1"\n')
+    page = watched.open()
+    page.locator(".file input").set_input_files(own)
+    page.wait_for_selector("#scenario option:has-text('your own file')", state="attached")
+    page.wait_for_selector('[id="s-adult.mass"]')
+    assert page.locator('[id="s-adult.mass"]').input_value() == "66"
+    page.locator(".file input").set_input_files(hostile)
+    page.wait_for_selector(".refused:has-text('no files are opened here')")
+
+
+@pytest.mark.parametrize(
+    ("name", "begins"), [("Scenario", "name ="), ("CSV", "time [s],"), ("ISO-MME", "PK"), ("HTML report", "<!doctype")]
+)
+def test_files_are_saved(watched: Watched, name: str, begins: str) -> None:
+    page = watched.open("#/crash?s=p1&v.adult.mass=66")
+    with page.expect_download() as waiting:
+        page.locator(".actions").get_by_role("button", name=name, exact=True).click()
+    assert Path(waiting.value.path()).read_bytes()[: len(begins)].decode("latin-1").lower() == begins.lower()
+
+
+def test_a_study_is_started_watched_and_downloaded(watched: Watched) -> None:
+    page = watched.open("#/study", wait=SHOWN["study"])
+    page.get_by_role("button", name="Start").click()
+    page.wait_for_selector("[aria-label='The study that runs'] :text('; done')")
+    page.wait_for_selector("td.number")
+    with page.expect_download() as waiting:
+        page.get_by_role("link", name="Download Parquet").first.click()
+    assert Path(waiting.value.path()).read_bytes()[:4] == b"PAR1"
+    page.locator("textarea").fill('kind = "sweep"\nscenario = "/etc/passwd"')
+    page.get_by_role("button", name="Start").click()
+    page.wait_for_selector(".study-new .refused")
+
+
+def test_it_goes_on_when_the_server_comes_back(browser: Browser) -> None:
+    with sockets.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    context = browser.new_context()
+    page = context.new_page()
+    page.set_default_timeout(SOON)
+    with running("--port", str(port)) as server:
+        page.goto(f"{server.address}/#/crash?s=p1")
+        page.wait_for_selector(f"{READY} >> visible=true")
+        page.wait_for_selector(".results table")
+    page.wait_for_selector(".status.lost")
+    slide(page, "adult.mass", 100.0)  # asked for while nobody answers
+    with running("--port", str(port)):
+        page.wait_for_selector(READY)
+        settled(page)
+        response = simulate(substitute(load("p1"), {"adult.mass": 100.0}))
+        said = page.locator(".plot [role=img]").first.get_attribute("aria-label") or ""
+        assert f"adult −{abs(response.peak('adult.acceleration').value) / G:.1f} g" in said
+    context.close()
+
+
+def test_a_cold_start_is_said(browser: Browser, tmp_path: Path) -> None:
+    with running("--port", "0", environment={"RIDEDOWN_CACHE_DIR": str(tmp_path)}) as server:
+        context = browser.new_context()
+        page = context.new_page()
+        page.goto(server.address)
+        page.wait_for_selector(".banner:has-text('being compiled')")
+        context.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("view", VIEWS)
+def test_accessibility(watched: Watched, view: str, scheme: str) -> None:
+    from axe_playwright_python.sync_playwright import Axe  # noqa: PLC0415
+
+    page = watched.open(f"#/{view}?s=example-restraints&t=0.07", wait=SHOWN[view], color_scheme=scheme)
+    found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]})
+    assert found.violations_count == 0, found.generate_report()
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_phone_width(watched: Watched, view: str) -> None:
+    page = watched.open(f"#/{view}", wait=SHOWN[view], viewport=PHONE)
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+def test_themes(watched: Watched) -> None:
+    page = watched.open()
+    paper = "getComputedStyle(document.body).backgroundColor"
+    system = page.evaluate(paper)
+    page.get_by_role("button", name="Theme").click()
+    page.get_by_role("button", name="Theme").click()
+    assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+    assert page.evaluate(paper) != system
+    page.reload()
+    page.wait_for_selector(READY)
+    assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+
+
+def test_with_the_keyboard_alone(watched: Watched) -> None:
+    page = watched.open()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "To the content"
+    reached = set()
+    for _ in range(90):
+        page.keyboard.press("Tab")
+        reached.add(
+            page.evaluate("document.activeElement.id || document.activeElement.ariaLabel || document.activeElement.textContent")
+        )
+    assert {"Map", "scenario", "s-vehicle1.mass", "s-bar.overlap", "Pin this run", "Time"} <= reached
+    page.locator('[id="s-vehicle1.mass"]').focus()
+    before = page.url
+    page.keyboard.press("ArrowRight")
+    settled(page)
+    assert page.url != before

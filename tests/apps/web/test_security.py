@@ -1,0 +1,380 @@
+"""What the server refuses, tried: other pages, other names, no token, paths, bombs, floods, and requests that break."""
+
+from __future__ import annotations
+
+import io
+import json
+import socket as sockets
+import threading
+import time
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+import uvicorn
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
+
+from ridedown.apps.web import answers, application, session, state
+from ridedown.apps.web.guard import HEADERS, is_loopback
+from ridedown.apps.web.studies import Studies
+from ridedown.apps.web.uploads import MOST_BYTES, MOST_TESTS
+from ridedown.errors import InvalidInput, RidedownError
+from tests.apps.web.running import WAIT, Running, running
+
+PASSWORDS = "/etc/passwd"
+
+
+@pytest.fixture(scope="module")
+def open_server() -> Iterator[Running]:
+    """One that others than this machine could reach."""
+    with running("--port", "0", "--host", "0.0.0.0") as made:
+        yield made
+
+
+@contextmanager
+def in_this_process() -> Iterator[Running]:
+    """A server whose parts a test can replace."""
+    listening = sockets.create_server(("127.0.0.1", 0))
+    config = uvicorn.Config(application.application(), log_level="error", ws="websockets-sansio", timeout_graceful_shutdown=1)
+    made = uvicorn.Server(config)
+    thread = threading.Thread(target=made.run, kwargs={"sockets": [listening]})
+    thread.start()
+    try:
+        yield Running(listening.getsockname()[1], "", None)
+    finally:
+        made.should_exit = True
+        thread.join(30)
+        listening.close()
+
+
+def refused_socket(server: Running, **options: Any) -> None:
+    with pytest.raises((InvalidHandshake, ConnectionClosed)), server.opened(**options) as made:
+        made.recv(timeout=5)
+
+
+# who may come in
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "http://127.0.0.1:1", "null", None])
+def test_a_socket_from_another_page(server: Running, origin: str | None) -> None:
+    refused_socket(server, origin=origin)
+
+
+@pytest.mark.parametrize(("method", "path"), [("POST", "/upload"), ("POST", "/export/csv")])
+def test_a_request_from_another_page(server: Running, method: str, path: str) -> None:
+    assert server.request(method, path, "{}", Origin="http://evil.example").status == 403
+
+
+@pytest.mark.parametrize("path", ["/", "/state", "/assets/x.js"])
+def test_a_name_that_was_made_to_point_here(server: Running, path: str) -> None:
+    assert server.request("GET", path, Host="evil.example").status == 421
+
+
+def test_without_its_token_a_server_for_others_tells_nothing(open_server: Running) -> None:
+    for method, path in (("GET", "/"), ("GET", "/state"), ("GET", "/assets/x"), ("POST", "/upload"), ("GET", "/?token=wrong")):
+        answer = open_server.request(method, path)
+        assert answer.status == 401
+        assert open_server.token.encode() not in answer.content
+    refused_socket(open_server, origin=open_server.address)
+    wrong = {"Cookie": "ridedown-token=wrong"}
+    refused_socket(open_server, origin=open_server.address, additional_headers=wrong)
+
+
+def test_with_its_token_it_answers(open_server: Running) -> None:
+    answer = open_server.request("GET", f"/?token={open_server.token}")
+    assert answer.status == 303
+    assert answer.headers["location"] == "/"
+    cookie = answer.headers["set-cookie"]
+    assert "httponly" in cookie.lower()
+    assert "samesite=strict" in cookie.lower()
+    cookie = cookie.partition(";")[0]
+    assert open_server.request("GET", "/", Cookie=cookie).status == 200
+    with open_server.socket(additional_headers={"Cookie": cookie}) as socket:
+        assert socket.ask("catalogue", lane="catalogue")["entries"]
+    refused_socket(open_server, origin="http://evil.example", additional_headers={"Cookie": cookie})
+
+
+def test_signing_in_leads_nowhere_else(open_server: Running) -> None:
+    answer = open_server.request("GET", f"//evil.example/?token={open_server.token}")
+    assert answer.headers["location"] == "/evil.example/"
+
+
+def test_a_server_for_this_machine_has_no_token(server: Running) -> None:
+    assert server.token == ""
+    assert [is_loopback(host) for host in ("127.0.0.1", "::1", "localhost", "0.0.0.0", "192.0.2.1", "evil.example")] == [
+        True, True, True, False, False, False,
+    ]  # fmt: skip
+
+
+def test_every_answer_tells_the_browser_what_it_may_do(server: Running) -> None:
+    for path in ("/", "/state", "/nothing", "/assets/nothing"):
+        answer = server.request("GET", path)
+        for name, value in HEADERS.items():
+            assert answer.headers[name] == value
+    policy = HEADERS["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+
+
+# paths
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/assets/../index.html", "/assets/../../../cli.py", "/assets/%2e%2e/%2e%2e/cli.py", "/assets/..%2f..%2fcli.py",
+        "/assets//etc/passwd", "/study/..%2f..%2fetc/results.parquet", "/study/../results.parquet", "/export/../state",
+    ],
+)  # fmt: skip
+def test_no_path_leads_out(server: Running, path: str) -> None:
+    answer = server.request("GET", path)
+    assert answer.status in {404, 405}
+    assert b"root:" not in answer.content
+    assert b"import" not in answer.content
+
+
+FILES = {
+    "a name that is a path": {"scenario": PASSWORDS},
+    "a name of a file beside": {"scenario": "./pyproject.toml"},
+    "a measured pulse": {"toml": f'[pulse]\nkind = "measured"\nfile = "{PASSWORDS}"\nchannels = "1"'},
+    "another scenario": {"toml": f'[pulse]\nkind = "scenario"\nscenario = "{PASSWORDS}"'},
+    "another scenario of a scenario": {
+        "toml": f'[pulse]\nkind = "scenario"\n[pulse.scenario.pulse]\nkind = "measured"\nfile = "{PASSWORDS}"\nchannels = "1"'
+    },
+}
+
+
+@pytest.mark.parametrize("message", FILES.values(), ids=FILES)
+def test_no_scenario_opens_a_file(server: Running, message: dict[str, str]) -> None:
+    with server.socket() as socket:
+        for kind in ("describe", "simulate", "results"):
+            found = socket.ask(kind, **message)
+            assert found["kind"] == "refused"
+            assert found["status"] in {404, 422}
+            assert "root:" not in found["message"]
+    assert server.request("POST", "/export/scenario", json.dumps(message)).status in {404, 422}
+
+
+# uploads
+
+
+def zipped(**members: bytes) -> bytes:
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    return made.getvalue()
+
+
+HOSTILE = {
+    "nothing": b"",
+    "no zip": b"MZ" + bytes(1000),
+    "an empty zip": zipped(),
+    "a zip of something else": zipped(**{"readme.txt": b"hello"}),
+    "a bomb": zipped(**{"v1.EV5": bytes(200 * 2**20)}),
+    "names that lead out": zipped(**{"../../v1.EV5": b"----- EV5 -----\n", "/etc/v1.mme": b"x"}),
+    "a torn zip": zipped(**{"v1.EV5": b"----- EV5 -----\n" * 100})[:-40],
+}
+
+
+@pytest.mark.parametrize("content", HOSTILE.values(), ids=HOSTILE)
+def test_hostile_uploads(server: Running, content: bytes) -> None:
+    answer = server.request("POST", "/upload", content, x_filename="../../evil.zip")
+    told = json.loads(answer.content)
+    assert answer.status == 422, told
+    assert told["kind"] == "refused"
+    assert server.request("GET", "/state").status == 200
+
+
+def test_an_upload_that_is_too_large_is_not_read(server: Running) -> None:
+    answer = server.request("POST", "/upload", iter([b"x"]), content_length=str(MOST_BYTES + 1))
+    assert answer.status == 413
+
+
+def test_an_upload_that_does_not_say_how_large_it_is(server: Running) -> None:
+    """It is cut off at the same length."""
+    connection = sockets.create_connection(("127.0.0.1", server.port), timeout=WAIT)
+    host = f"Host: 127.0.0.1:{server.port}\r\nOrigin: {server.address}"
+    head = f"POST /upload HTTP/1.1\r\n{host}\r\nTransfer-Encoding: chunked\r\n\r\n"
+    part = b"100000\r\n" + bytes(2**20) + b"\r\n"
+    with connection:
+        try:
+            connection.sendall(head.encode())
+            for _ in range(MOST_BYTES // 2**20 + 2):
+                connection.sendall(part)
+        except OSError:
+            pass  # it has hung up
+        assert connection.recv(64).startswith(b"HTTP/1.1 413")
+
+
+def test_uploads_are_forgotten_in_turn(measured: Path) -> None:
+    from ridedown.apps.web.uploads import Uploads  # noqa: PLC0415
+
+    uploads = Uploads()
+    table = "time [s],pulse [m/s2]\n" + "".join(f"{0.001 * i},{-i}\n" for i in range(50))
+    keys = [uploads.add(zipped(**{f"t{i}.csv": table.encode()}), f"{i}.zip")["test"] for i in range(MOST_TESTS + 2)]
+    with pytest.raises(RidedownError, match="Drop the file again"):
+        uploads.about({"test": keys[0]})
+    assert uploads.about({"test": keys[-1]})["test"] == keys[-1]
+
+
+# requests that break, and floods
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "null", '{"kind": "nonsense"}', '{"kind": NaN}', '{"kind": ["simulate"]}', "[" * 100_000,
+     '{"kind": "simulate"}', '{"kind": "simulate", "scenario": 7}', '{"kind": "simulate", "scenario": "p1", "values": [1]}',
+     '{"kind": "simulate", "scenario": "p1", "values": {"vehicle1.mass": [1, 2]}}',
+     '{"kind": "simulate", "scenario": "p1", "values": {"vehicle1.mass": 1e999}}',
+     '{"kind": "map", "scenario": "p1", "side": 100000}', '{"kind": "channels", "test": "x", "channels": []}',
+     '{"kind": "study", "action": "start"}', '{"kind": "map", "scenario": "p1", "x": ["a"], "y": {}, "outcome": []}',
+     '{"kind": "study", "action": ["start"]}', '{"kind": "test", "test": ["x"]}', '{"kind": "describe", "toml": ["x"]}'],
+)  # fmt: skip
+def test_what_is_no_request(server: Running, text: str) -> None:
+    with server.socket() as socket:
+        socket.made.send(text)
+        told = socket.receive()[0]
+        assert told["kind"] == "refused"
+        assert told["status"] in {404, 413, 422}
+        assert socket.ask("simulate", scenario="p1")["completed"]
+
+
+def test_the_field_that_is_wrong_is_named(server: Running) -> None:
+    with server.socket() as socket:
+        told = socket.ask("simulate", scenario="p1", values={"vehicle1.mass": -5.0})
+        assert (told["status"], told["field"]) == (422, "vehicle1.mass")
+        assert "need > 0 kg" in told["message"]
+        told = socket.ask("simulate", scenario="p1", values={"vehicle1.mas": 5.0})
+        assert told["status"] == 404
+        assert "vehicle1.mass" in told["message"]
+
+
+def test_a_message_that_is_too_long_ends_its_own_session_only(server: Running) -> None:
+    with server.socket() as other, server.socket() as socket:
+        socket.send("simulate", toml="x" * (session.MOST_MESSAGE + 1))
+        with pytest.raises(ConnectionClosed):
+            socket.receive()
+        assert other.ask("simulate", scenario="p1")["completed"]
+
+
+def test_too_much_of_anything(server: Running) -> None:
+    many = 'kind = "crash"\n' + "[[occupants]]\n" * 1000
+    with server.socket() as socket:
+        assert socket.ask("describe", toml="#" * 200_000)["status"] == 413
+        assert socket.ask("describe", toml=many)["status"] == 413
+        assert socket.ask("simulate", scenario="p1", values={f"x{i}": 1.0 for i in range(1000)})["status"] == 413
+
+
+def test_a_request_that_crashes_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def crash(_message: Any) -> Any:
+        raise ZeroDivisionError("secret particulars")
+
+    monkeypatch.setattr(answers, "describe", crash)
+    with in_this_process() as server, server.socket() as socket:
+        told = socket.ask("describe", scenario="p1")
+        assert told["status"] == 500
+        assert "secret" not in told["message"]
+        assert socket.ask("simulate", scenario="p1")["completed"]
+
+
+def test_no_more_sessions_than_the_server_can_carry(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(application, "MOST_SESSIONS", 2)
+    with (
+        in_this_process() as server,
+        server.socket(),
+        server.socket(),
+        server.opened() as third,
+        pytest.raises(ConnectionClosed, match="1013"),
+    ):
+        third.recv(timeout=WAIT)
+
+
+def test_one_session_that_asks_for_maps_without_end_starves_nobody(server: Running) -> None:
+    message = {
+        "scenario": "example-restraints",
+        "side": 200,
+        "outcome": "vehicle1.velocity.change",
+        "x": "vehicle1.mass",
+        "y": "vehicle1.speed",
+    }
+    with server.socket() as greedy, server.socket() as modest:
+        for _ in range(200):
+            greedy.send("map", lane="map", **message)
+        begun = time.monotonic()
+        for i in range(5):
+            assert modest.ask("simulate", scenario="p1", values={"adult.mass": 70.0 + i})["completed"]
+        assert time.monotonic() - begun < 10.0  # s: the maps would take minutes
+
+
+# studies
+
+SMALL = """
+kind = "sweep"
+name = "small"
+scenario = "{scenario}"
+outcomes = ["adult.excursion.max"]
+[[parameters]]
+path = "adult.mass"
+values = [60.0, 70.0, 80.0]
+"""
+
+
+def ended(studies: Studies) -> dict[str, Any]:
+    while True:
+        standing = studies.answer({"action": "list"})
+        if standing["running"]["ended"]:
+            return standing
+        time.sleep(0.05)
+
+
+def test_a_study_runs_in_a_folder_of_its_own(tmp_path: Path) -> None:
+    studies = Studies(tmp_path / "kept")
+    studies.answer({"action": "start", "toml": SMALL.format(scenario="p1")})
+    standing = ended(studies)
+    assert standing["running"]["trouble"] == ""
+    [kept] = standing["studies"]
+    assert kept["complete"]
+    assert kept["outcomes"]["adult.excursion.max"]["max"] > 0.1
+    assert studies.results(kept["name"])[:4] == b"PAR1"
+    assert [path.name for path in tmp_path.iterdir()] == ["kept"]
+
+
+@pytest.mark.parametrize("name", ["..", "../outside", "/etc", "", "link", ".hidden"])
+def test_a_study_cannot_be_another_folder(tmp_path: Path, name: str) -> None:
+    outside, kept = tmp_path / "outside", tmp_path / "kept"
+    outside.mkdir()
+    kept.mkdir()
+    (kept / "link").symlink_to(outside)
+    (outside / "study.toml").write_text(SMALL.format(scenario="p1"))
+    studies = Studies(kept)
+    for ask in (studies.results, studies.summary, lambda name: studies.answer({"action": "resume", "study": name})):
+        with pytest.raises(RidedownError):
+            ask(name)
+    assert [path.name for path in outside.iterdir()] == ["study.toml"]
+
+
+def test_a_study_opens_no_file(tmp_path: Path) -> None:
+    for scenario in (PASSWORDS, "./crash.toml", "../crash.yaml"):
+        with pytest.raises(RidedownError):
+            Studies(tmp_path).answer({"action": "start", "toml": SMALL.format(scenario=scenario)})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_a_folder_no_study_is_begun() -> None:
+    with pytest.raises(InvalidInput, match="--studies"):
+        Studies(None).answer({"action": "start", "toml": SMALL.format(scenario="p1")})
+
+
+def test_the_state_is_told_while_the_solver_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    go = threading.Event()
+    monkeypatch.setattr(state, "_warm", lambda: go.wait(WAIT))
+    with in_this_process() as server, server.opened() as made:
+        assert json.loads(made.recv(timeout=WAIT))["state"] == "compiling"
+        made.send('{"kind": "simulate", "lane": "crash", "scenario": "p1", "id": 1}')
+        go.set()
+        assert json.loads(made.recv(timeout=WAIT))["state"] == "ready"
+        assert isinstance(made.recv(timeout=WAIT), bytes)
