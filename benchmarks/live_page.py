@@ -42,8 +42,10 @@ def main() -> None:
         spread("the same of restraint against vehicle, p1", maps(page, server, "p1", "&x=vehicle1.mass"))
         spread("first load, to drawn plots", [load(page, server) for _ in range(5)])
         browser.close()
+    with running("--port", "0") as server:
         with server.socket():  # ready
-            spread(f"{DRAGGERS} that drag at once", asyncio.run(crowd(server)))
+            pass
+        spread(f"{DRAGGERS} that drag at once", asyncio.run(crowd(server)))
     print(f"load {os.getloadavg()[0]:.1f}")
 
 

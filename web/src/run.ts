@@ -1,5 +1,5 @@
 /** A run as it is on the server: what it is made of, its curves, and what it comes to. */
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { type Answer, type Live, RequestRefused, rows } from "./socket";
 import type { Curves, Refused, Results, ScenarioInfo } from "./types";
 import { asked, type Run } from "./url";
@@ -33,7 +33,7 @@ export function useCurves(live: Live, lane: string, run: Run | null, since: { cu
   const [found, setFound] = useState<Curves | null>(null);
   const [refused, setRefused] = useState<Refused | null>(null);
   const asking = useRef<Run | null>(null);
-  useEffect(() => {
+  useLayoutEffect(() => { // at once: an effect would wait for the frame before
     asking.current = run;
     if (!run) {
       setFound(null);

@@ -1,4 +1,5 @@
 /** One figure against time: curves, numbered events, the moment chosen, and a pinned run behind it. */
+import { memo } from "preact/compat";
 import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import type { CrashEvent, Line } from "../types";
@@ -24,7 +25,7 @@ interface Props {
 
 const AXIS_FONT = "12px system-ui, sans-serif";
 
-export function Plot(props: Props) {
+export const Plot = memo(function Plot(props: Props) {
   const place = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
   const latest = useRef(props);
@@ -34,20 +35,31 @@ export function Plot(props: Props) {
   const labels = curves.map((one) => one.line.label).join("\n") + (pinned ? "\n\npinned" + pinned.curves.length : "");
   const data = useMemo(() => dataOf(time, curves, pinned, scale), [time, curves, pinned, scale]);
 
+  const seen = useRef(true); // what is out of sight is drawn when it comes into it
+  const waiting = useRef<uPlot.AlignedData | null>(null);
   useLayoutEffect(() => {
     const made = new uPlot(optionsOf(latest, place.current!.clientWidth, height), data, place.current!);
     plot.current = made;
     const watch = new ResizeObserver(() => made.setSize({ width: place.current!.clientWidth, height }));
     watch.observe(place.current!);
+    const sight = new IntersectionObserver(([entry]) => {
+      seen.current = entry!.isIntersecting;
+      if (seen.current && waiting.current) made.setData(waiting.current);
+      if (seen.current) waiting.current = null;
+    }, { rootMargin: "200px" });
+    sight.observe(place.current!);
     return () => {
       watch.disconnect();
+      sight.disconnect();
       made.destroy();
       plot.current = null;
     };
   }, [labels, theme, height]);
 
   useLayoutEffect(() => {
-    if (plot.current && plot.current.data !== data) plot.current.setData(data);
+    if (!plot.current || plot.current.data === data) return;
+    waiting.current = seen.current ? null : data;
+    if (seen.current) plot.current.setData(data);
   }, [data]);
 
   useEffect(() => moveLine(plot.current, props.moment), [props.moment, data, labels, theme]);
@@ -67,7 +79,7 @@ export function Plot(props: Props) {
       </ul>
     </figure>
   );
-}
+});
 
 /** A short piece of a line, as it is drawn. */
 export function Key({ index }: { index: number }) {
@@ -80,14 +92,27 @@ export function Key({ index }: { index: number }) {
 
 type Pinned = Props["pinned"];
 
+const inMs = new WeakMap<Float64Array, Float64Array>();
+
+/** Times in ms; the figures of one crash share them. */
+function milliseconds(time: Float64Array): Float64Array {
+  let found = inMs.get(time);
+  if (!found) inMs.set(time, (found = time.map((t) => 1e3 * t)));
+  return found;
+}
+
+/** In the figure's unit. What is missing is NaN, which is not drawn. */
 function dataOf(time: Float64Array, curves: Curve[], pinned: Pinned, scale: number): uPlot.AlignedData {
-  const x = Array.from(time, (t) => 1e3 * t);
-  const scaled = (values: Float32Array) => Array.from(values, (v) => (Number.isNaN(v) ? null : v * scale));
   const behind = (pinned?.curves ?? []).map((one) => {
-    const values = scaled(one.values);
-    return Array.from(time, (t) => (t <= pinned!.time[pinned!.time.length - 1]! ? values[nearest(pinned!.time, t)]! : null));
+    const last = pinned!.time[pinned!.time.length - 1]!;
+    return Float64Array.from(time, (t) => (t <= last ? one.values[nearest(pinned!.time, t)]! * scale : NaN));
   });
-  return [x, ...curves.map((one) => scaled(one.values)), ...behind] as uPlot.AlignedData;
+  const scaled = curves.map(({ values }) => {
+    const made = new Float64Array(values.length);
+    for (let i = 0; i < values.length; i++) made[i] = values[i]! * scale;
+    return made;
+  });
+  return [milliseconds(time), ...scaled, ...behind];
 }
 
 /** Index of the last time that is not after t: at an event, the value just after it. */

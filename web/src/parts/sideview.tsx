@@ -1,4 +1,5 @@
 /** One occupant from the side, against belt, bag and whatever else holds it. Lengths in metres, forward to the right. */
+import { memo } from "preact/compat";
 import type { Curves, OccupantShape, RestraintShape } from "../types";
 import { digits } from "../units";
 import { colour } from "./colours";
@@ -10,7 +11,7 @@ const FOOT = { x: 0.72, y: -0.36 };
 const CHEST_DEEP = 0.13, HEAD_DEEP = 0.11;
 const FULL_FORCE = 12e3; // N: the longest arrow
 
-export function SideView({ curves, who, time }: { curves: Curves; who: string; time: number }) {
+export const SideView = memo(function SideView({ curves, who, time }: { curves: Curves; who: string; time: number }) {
   const occupant = curves.geometry.occupants.find((one) => one.name === who);
   if (!occupant) return null;
   const at = nearest(curves.time, time);
@@ -49,7 +50,7 @@ export function SideView({ curves, who, time }: { curves: Curves; who: string; t
       <Arrows occupant={occupant} parts={{ head, chest, pelvis }} value={value} />
     </svg>
   );
-}
+});
 
 type Point = { x: number; y: number };
 

@@ -1,9 +1,10 @@
 /** Tables: the same as on the command line; verdicts, and where the energy went. */
+import { memo } from "preact/compat";
 import type { Energy, Table, VerdictRow } from "../types";
 import { digits } from "../units";
 import { colour } from "./colours";
 
-export function DataTable({ table }: { table: Table }) {
+export const DataTable = memo(function DataTable({ table }: { table: Table }) {
   if (!table.rows.length) return null;
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label={table.caption}>
@@ -24,11 +25,11 @@ export function DataTable({ table }: { table: Table }) {
       </table>
     </div>
   );
-}
+});
 
 const MARK = { "passed": "✓", "failed": "✗", "no verdict": "–" };
 
-export function Verdicts({ rows, pinned }: { rows: VerdictRow[]; pinned?: VerdictRow[] | null }) {
+export const Verdicts = memo(function Verdicts({ rows, pinned }: { rows: VerdictRow[]; pinned?: VerdictRow[] | null }) {
   if (!rows.length) return <p class="quiet">No criteria: nobody in it that a regulation is for.</p>;
   const before = (one: VerdictRow) =>
     pinned?.find((other) => other.regulation === one.regulation && other.subject === one.subject && other.criterion === one.criterion);
@@ -60,10 +61,10 @@ export function Verdicts({ rows, pinned }: { rows: VerdictRow[]; pinned?: Verdic
       </table>
     </div>
   );
-}
+});
 
 /** Bars: each element's part of the kinetic energy at the start. */
-export function EnergyBars({ energy, pinned }: { energy: Energy; pinned?: Energy | null }) {
+export const EnergyBars = memo(function EnergyBars({ energy, pinned }: { energy: Energy; pinned?: Energy | null }) {
   const rows = energyRows(energy);
   const before = pinned ? new Map(energyRows(pinned)) : null;
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9);
@@ -84,7 +85,7 @@ export function EnergyBars({ energy, pinned }: { energy: Energy; pinned?: Energy
       </ul>
     </section>
   );
-}
+});
 
 function energyRows(energy: Energy): [string, number][] {
   const rows: [string, number][] = energy.elements.map((one) => [one.name, one.absorbed]);

@@ -1,4 +1,5 @@
 /** Both vehicles from above: the bar that turns between them, the members that crush. Lengths in metres, forward to the right. */
+import { memo } from "preact/compat";
 import type { Curves } from "../types";
 import { digits } from "../units";
 import { colour } from "./colours";
@@ -6,7 +7,7 @@ import { nearest } from "./plot";
 
 const FRONT = 1.0, CABIN = 3.2, BUMPER = 0.09; // m: how a car is drawn, not how it is computed
 
-export function TopView({ curves, time }: { curves: Curves; time: number }) {
+export const TopView = memo(function TopView({ curves, time }: { curves: Curves; time: number }) {
   const at = nearest(curves.time, time);
   const value = (channel: string) => {
     const row = curves.channels.indexOf(channel);
@@ -47,7 +48,7 @@ export function TopView({ curves, time }: { curves: Curves; time: number }) {
       </>}
     </svg>
   );
-}
+});
 
 function Ground({ from, to, y }: { from: number; to: number; y: number }) {
   const ticks = Array.from({ length: Math.floor(to) - Math.ceil(from) + 1 }, (_, i) => Math.ceil(from) + i);

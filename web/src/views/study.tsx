@@ -59,7 +59,7 @@ export function StudyView({ live }: ViewProps) {
       {!standing.possible && <p class="note">Studies need a folder to be kept in. Start the server with <code>ridedown serve --studies DIR</code>.</p>}
       <section class="card study-new">
         <h2>A new study</h2>
-        <label class="field">Study file, as for <code>ridedown study</code>
+        <label class="field"><span>Study file, as for <code>ridedown study</code></span>
           <textarea rows={15} spellcheck={false} value={text} onInput={(event) => setText(event.currentTarget.value)} />
         </label>
         <button type="button" disabled={!standing.possible || going} onClick={() => void ask("start", { toml: text })}>Start</button>
