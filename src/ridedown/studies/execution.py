@@ -17,8 +17,10 @@ from ridedown.errors import InvalidInput
 from ridedown.simulation import workers
 from ridedown.studies.bounding import LeastPeaks
 from ridedown.studies.effects import remarks_on
-from ridedown.studies.plan import Plan, plan_of
-from ridedown.studies.results import limits_of, results_of
+from ridedown.studies.kept import Kept
+from ridedown.studies.plan import Asked, Plan, plan_of
+from ridedown.studies.results import finite, results_of
+from ridedown.studies.searches import check_search, found_by_search
 from ridedown.studies.store import Store, encode
 from ridedown.studies.study import LoadedStudy, Study, load_study
 
@@ -93,6 +95,11 @@ def run_plan(
     """Compute what is missing of a plan and keep it. See `run_study`."""
     count = workers(threads)
     _check(loaded, plan)
+    if isinstance(plan.design, Asked):
+        if cluster is not None:
+            kind = loaded.study.kind
+            raise InvalidInput(f'--cluster: got kind = "{kind}", whose rows follow from one another; need none. Leave it out.')
+        return _run_search(loaded, plan, folder, resume=resume, threads=count, report=report)
     with Store.opened(folder, loaded, plan, resume=resume) as store:
         store.remark(list if isinstance(plan.function, LeastPeaks) else partial(remarks_on, plan))
         missing = store.missing()
@@ -116,9 +123,28 @@ def run_plan(
     return folder
 
 
+def _run_search(loaded: LoadedStudy, plan: Plan, folder: Path, *, resume: bool, threads: int, report: Report | None) -> Path:
+    """Search, and keep every row that is asked for. What was kept before is asked for again, and not computed."""
+
+    def told(before: int, done: int, failed: int) -> None:
+        if report is not None:
+            report(Progress(max(plan.rows, before + done), before, done, failed))
+
+    with Store.opened(folder, loaded, plan, resume=resume) as store, Kept(store, plan, threads, told) as kept:
+        store.remark(partial(remarks_on, plan))
+        told(0, 0, 0)
+        try:
+            results = found_by_search(loaded, plan, kept)
+        except KeyboardInterrupt:
+            raise Stopped(Progress(plan.rows, 0, kept.written, kept.failed)) from None
+        store.grown(*kept.end())
+        store.finish(finite(results))
+    return folder
+
+
 def _check(loaded: LoadedStudy, plan: Plan) -> None:
     """Have what is wrong with a study said before the first row, and before anything is written."""
-    limits_of(loaded.study, plan.function.units)
+    check_search(loaded, plan)
     if isinstance(plan.function, LeastPeaks):
         plan.function.check()
 

@@ -1,15 +1,15 @@
-"""What a study file says of a kind that is more than rows fixed beforehand: a bound, an optimisation, a solution box."""
+"""What a study file says of a bound, an optimisation and a solution box."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from ridedown.scenario.base import Check, Model
-from ridedown.scenario.quantities import Deflection, Distance, Duration, Quantity, Slack
-from ridedown.studies.parameters import Grid
+from ridedown.scenario.quantities import Deflection, Distance, Duration, Factor, Quantity, Slack
+from ridedown.studies.parameters import Grid, Raw
 from ridedown.units import ACCELERATION
 
 Peak = Annotated[float, Quantity(ACCELERATION, above=0.0, fix="A peak deceleration is a magnitude, without a sign.")]
@@ -63,3 +63,116 @@ class BoundOptions(Model):
         yield Check("rearward", seated, self.rearward, "nothing where there is no seat", "Take it out.", "m")
         twice = next((name for name in self.occupants if self.occupants.count(name) > 1), "")
         yield Check("occupants", not twice, f"{twice} twice", "each once", "Take one out.")
+
+
+Measures = Literal["mean", "mean-plus", "quantile", "worst", "probability"]
+
+
+class Measured(Model):
+    """An outcome, or a measure of it over a population (see `ridedown.studies.goals`).
+
+    sigmas: how many standard deviations `mean-plus` adds. share: of the population, that a `quantile` is not exceeded by.
+    above, below: of a `probability`, the value that the outcome is beyond.
+    """
+
+    outcome: str = Field(description="name of an outcome")
+    measure: Measures = "mean"
+    sigmas: float | None = None
+    share: float | None = None
+    above: Raw | None = None
+    below: Raw | None = None
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        for field, measure in (("sigmas", "mean-plus"), ("share", "quantile")):
+            value = getattr(self, field)
+            own = value is None or self.measure == measure
+            yield Check(field, own, f'{field} with measure = "{self.measure}"', f'measure = "{measure}"', "Say so.")
+            yield Check(field, self.measure != measure or value is not None, "nothing", f'a number with measure = "{measure}"')
+        yield Check("share", self.share is None or 0.0 < self.share < 1.0, f"{self.share}", "a number between 0 and 1")
+        beyond = [field for field in ("above", "below") if getattr(self, field) is not None]
+        of_chance = self.measure == "probability"
+        yield Check("above", of_chance or not beyond, f'a value with measure = "{self.measure}"', 'measure = "probability"')
+        one = not of_chance or len(beyond) == 1
+        yield Check("above", one, " and ".join(beyond) or "nothing", "above or below, the value that the outcome is beyond")
+
+
+class Objective(Measured):
+    """What is to be as small as can be, or as large."""
+
+    sense: Literal["min", "max"] = "min"
+
+
+class Constraint(Measured):
+    """What a design must hold; with several sides, each of them. Of a `probability` the bounds are shares, from 0 to 1."""
+
+    most: Raw | None = Field(None, description="largest value allowed, bare SI or with a unit")
+    least: Raw | None = Field(None, description="smallest value allowed")
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        yield from super().checks()
+        given = self.most is not None or self.least is not None
+        yield Check("most", given, "nothing", "the largest value allowed, or `least`")
+
+
+class OptimiseOptions(Model):
+    """What is sought, and how hard.
+
+    candidates: designs of a generation (64 for one objective, 100 for several); generations: at most (200, or 100).
+    population_rows: drawn of the parameters with a distribution, the same for each design. reference: of the hypervolume, one
+    value for each objective, SI.
+    """
+
+    objectives: tuple[Objective, ...] = Field((), description="what is to be small or large")
+    constraints: tuple[Constraint, ...] = ()
+    candidates: int | None = Field(None, strict=True, description="designs of a generation")
+    generations: int | None = Field(None, strict=True, description="how many at most")
+    population_rows: int = Field(64, strict=True, description="rows drawn of the distributions, for each design")
+    algorithm: Literal["nsga2", "nsga3"] | None = None
+    reference: tuple[float, ...] | None = None
+    seed: int = Field(0, strict=True, description="a whole number from 0")
+
+    @property
+    def designs(self) -> tuple[int, int]:
+        """Candidates and generations."""
+        usual = (64, 200) if len(self.objectives) == 1 else (100, 100)
+        return self.candidates or usual[0], self.generations or usual[1]
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        yield Check("objectives", bool(self.objectives), "none", "one or more", 'As in [{ outcome = "adult.clip_3ms" }].')
+        for field, least in (("candidates", 8), ("generations", 1), ("population_rows", 1), ("seed", 0)):
+            value = getattr(self, field)
+            yield Check(field, value is None or value >= least, f"{value}", f"{least} or more")
+        several = len(self.objectives) > 1
+        yield Check("algorithm", several or self.algorithm is None, "one with one objective", "none", "Take it out.")
+        count = len(self.objectives) if several else 0
+        fits = self.reference is None or len(self.reference) == count
+        yield Check("reference", fits, f"{len(self.reference or ())} values", f"{count}, one for each of several objectives")
+
+
+class BoxOptions(Model):
+    """How a solution box is sought and verified, see `ridedown.studies.box`."""
+
+    size: Literal["volume", "shortest-side"] = "volume"
+    bad_share: float = Field(0.01, description="share of bad designs that is ruled out")
+    confidence: float = Field(0.95, description="with which it is")
+    rows: int = Field(256, strict=True, description="rows of a round")
+    rounds: int = Field(80, strict=True, description="rounds of the search")
+    seed: int = Field(0, strict=True, description="a whole number from 0")
+
+    def checks(self) -> Iterator[Check]:
+        """Rules between the fields."""
+        for field, least in (("rows", 16), ("rounds", 1), ("seed", 0)):
+            yield Check(field, getattr(self, field) >= least, f"{getattr(self, field)}", f"{least} or more")
+        for field in ("bad_share", "confidence"):
+            value = getattr(self, field)
+            yield Check(field, 0.0 < value < 1.0, f"{value}", "a number between 0 and 1")
+
+
+class Member(Model):
+    """One of the population that a design is for: values by path, and how much it counts."""
+
+    values: dict[str, Raw] = Field(description="a table of paths and values")
+    weight: Factor = 1.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -95,23 +95,26 @@ class Varied:
     distribution: Distribution
 
 
-def resolve(given: tuple[StudyParameter, ...], scenarios: Mapping[str, Scenario]) -> tuple[Varied, ...]:
+def resolve(
+    given: tuple[StudyParameter, ...], scenarios: Mapping[str, Scenario], *, where: Sequence[str] = ()
+) -> tuple[Varied, ...]:
     """The parameters read against the scenarios, which are keyed by their names ("" for the only one).
+
+    where: what messages call each of them, if not parameters.0 and so on.
 
     Raises: UnknownName for a path that no scenario has; InvalidInput for a value that its field may not hold, for two
     parameters of one name, or that both set one number.
     """
     known = {name: quantities(scenario) for name, scenario in scenarios.items()}
-    varied = tuple(_resolved(f"parameters.{i}", parameter, known) for i, parameter in enumerate(given))
-    for (i, one), (j, other) in itertools.combinations(enumerate(varied), 2):
+    called = where or [f"parameters.{i}" for i in range(len(given))]
+    varied = tuple(_resolved(name, parameter, known) for name, parameter in zip(called, given, strict=True))
+    for (first, one), (second, other) in itertools.combinations(zip(called, varied, strict=True), 2):
         if one.name == other.name:
-            raise InvalidInput(f'parameters.{j}.name: got "{other.name}" a second time; need a name of its own. Rename it.')
+            raise InvalidInput(f'{second}.name: got "{other.name}" a second time; need a name of its own. Rename it.')
         for scenario in scenarios:
             twice = set(one.targets.get(scenario, ())) & set(other.targets.get(scenario, ()))
             if twice:
-                raise InvalidInput(
-                    f"parameters.{j}: got {min(twice)}, which parameters.{i} sets too; need each set once. Take one out."
-                )
+                raise InvalidInput(f"{second}: got {min(twice)}, which {first} sets too; need each set once. Take one out.")
     return varied
 
 

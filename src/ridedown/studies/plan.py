@@ -14,8 +14,8 @@ from ridedown.errors import InvalidInput
 from ridedown.studies.bounding import EXCURSION, LeastPeaks
 from ridedown.studies.crashes import Evaluator, Rows
 from ridedown.studies.designs import Design as Points
-from ridedown.studies.designs import Variables
-from ridedown.studies.parameters import Varied, resolve
+from ridedown.studies.designs import Sobol, Variables
+from ridedown.studies.parameters import StudyParameter, Varied, resolve
 from ridedown.studies.reliability import plan_of as points_of
 from ridedown.studies.sensitive import asked_rows
 from ridedown.studies.study import LoadedStudy, Study
@@ -24,6 +24,9 @@ Floats = NDArray[np.float64]
 
 CHUNK = 16_384
 """Rows solved, written and forgotten together."""
+
+ASKED_CHUNK = 1024
+"""Rows that a search has to come to before they are written: what it costs to end it."""
 
 LARGE_CHUNK, MANY_ROWS = 65_536, 10**8
 """The same of studies with more rows than that, whose files would be too many."""
@@ -113,6 +116,21 @@ class Listed:
 
 
 @dataclass(frozen=True, eq=False)
+class Asked:
+    """Rows that a search asks for as it goes; how many is known at its end. rows: about so many, at most.
+
+    variables: what may be asked for. `columns` are of rows spread over it, for trials.
+    """
+
+    variables: Variables
+    rows: int
+
+    def columns(self, start: int, stop: int) -> dict[str, Floats]:
+        """The parameters of trial rows from `start` up to `stop`."""
+        return self.variables.columns(Sobol(len(self.variables.names), 0).rows(start, stop))
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """All that is needed to compute any chunk of a study. Data only, so that it can be sent to other machines."""
 
@@ -155,13 +173,49 @@ def plan_of(loaded: LoadedStudy) -> Plan:
     if study.bound is not None:
         least = LeastPeaks.of(loaded.scenarios[""], study.bound)
         return Plan(loaded.hash, {EXCURSION: "m"}, Listed({EXCURSION: least.excursions}), least)
-    parameters = resolve(study.parameters, loaded.scenarios)
-    function = Evaluator.of(loaded.scenarios, parameters, study.outcomes, weights=loaded.weights, step=study.step)
+    parameters = parameters_of(loaded)
+    function = Evaluator.of(loaded.scenarios, parameters, asked_outcomes(study), weights=loaded.weights, step=study.step)
+    if (most := _most_asked(study)) is not None:
+        asked = Asked(variables_of(study, parameters), most)
+        return Plan(loaded.hash, {one.name: one.unit for one in parameters}, asked, function, ASKED_CHUNK)
     design = _design(study, parameters)
     if design.rows > MOST_ROWS:
         raise InvalidInput(f"parameters: got {design.rows:.3g} rows; need at most {MOST_ROWS:g}. Take fewer values.")
     chunk_rows = CHUNK if design.rows <= MANY_ROWS else LARGE_CHUNK
     return Plan(loaded.hash, {one.name: one.unit for one in parameters}, design, function, chunk_rows)
+
+
+def parameters_of(loaded: LoadedStudy) -> tuple[Varied, ...]:
+    """The parameters of a study, then those that its population gives. Raises: InvalidInput, UnknownName."""
+    study = loaded.study
+    paths = list(study.population[0].values) if study.population else []
+    further = tuple(StudyParameter(path=path, values=tuple(one.values[path] for one in study.population)) for path in paths)
+    called = [f"parameters.{i}" for i in range(len(study.parameters))] + ["population"] * len(further)
+    return resolve(study.parameters + further, loaded.scenarios, where=called)
+
+
+def asked_outcomes(study: Study) -> tuple[str, ...]:
+    """The outcomes that a study asks for: those listed, after those that a search is about; none for the usual ones."""
+    about: list[str] = []
+    if study.optimise is not None:
+        about += [one.outcome for one in (*study.optimise.objectives, *study.optimise.constraints)]
+    if study.box is not None:
+        about += [limit.outcome for limit in study.limits]
+    return tuple(dict.fromkeys([*about, *study.outcomes]))
+
+
+def _most_asked(study: Study) -> int | None:
+    """About how many rows a search asks for, at most; None for a study whose rows are fixed beforehand."""
+    if study.optimise is not None:
+        candidates, generations = study.optimise.designs
+        drawn = any(parameter.distribution is not None for parameter in study.parameters)
+        members = len(study.population) or (study.optimise.population_rows if drawn else 1)
+        return candidates * (generations + 1) * members
+    if study.box is not None:
+        return study.box.rows * (2 * study.box.rounds + 50)
+    if study.sample is not None and study.sample.rare:
+        return len(study.limits) * (study.sample.rows + 10 * study.sample.level_rows)
+    return None
 
 
 def variables_of(study: Study, parameters: tuple[Varied, ...]) -> Variables:

@@ -11,18 +11,16 @@ import numpy as np
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ridedown.errors import InvalidInput, UnknownName
-from ridedown.scenario.quantities import Refused, read
 from ridedown.studies.bound import BoundStudy
 from ridedown.studies.bounding import OPEN, PEAK, LeastPeaks
-from ridedown.studies.evaluation import Estimate, Limit
+from ridedown.studies.evaluation import Estimate
+from ridedown.studies.limits import limits_of
 from ridedown.studies.parameters import resolve
 from ridedown.studies.plan import Drawn, Listed, Plan, variables_of
 from ridedown.studies.reliability import exceedance, summary
 from ridedown.studies.sensitive import told_by
 from ridedown.studies.store import chunk_files
-from ridedown.studies.study import LoadedStudy, Study
-from ridedown.units import dimension
+from ridedown.studies.study import LoadedStudy
 
 Floats = NDArray[np.float64]
 
@@ -32,36 +30,6 @@ def column(folder: Path, name: str) -> Floats:
     parts = [pq.read_table(path, columns=[name])[name].to_numpy() for path in chunk_files(folder)]
     values: Floats = np.concatenate(parts)
     return values
-
-
-def limits_of(study: Study, units: dict[str, str]) -> tuple[Limit, ...]:
-    """The limits of a study in SI: each on one outcome, for every scenario that has it, from one side.
-
-    Raises: UnknownName for an outcome that the study does not keep; InvalidInput for a value of another dimension.
-    """
-    found: list[Limit] = []
-    for i, limit in enumerate(study.limits):
-        names = [name for name in units if name == limit.outcome]
-        names = names or [name for name in units if name.partition(".")[2] == limit.outcome]
-        if not names:
-            raise UnknownName(f"limits.{i}.{UnknownName.among('outcome', limit.outcome, units)} List it under outcomes too.")
-        for side in ("most", "least"):
-            given = getattr(limit, side)
-            if given is not None:
-                value = _value(f"limits.{i}.{side}", given, units[names[0]])
-                found += [Limit(name, **{side: value}) for name in names]
-    return tuple(found)
-
-
-def _value(where: str, given: float | str, unit: str) -> float:
-    if isinstance(given, str) and unit:
-        try:
-            return read(given, dimension(unit))
-        except Refused as refused:
-            raise InvalidInput(f"{where}: {refused}") from None
-    if isinstance(given, str):
-        raise InvalidInput(f'{where}: got "{given}"; need a bare number. This outcome has no unit.')
-    return float(given)
 
 
 def results_of(loaded: LoadedStudy, plan: Plan, folder: Path) -> dict[str, Any]:

@@ -30,7 +30,7 @@ import pyarrow.parquet as pq
 import ridedown
 from ridedown.errors import InvalidInput
 from ridedown.studies.crashes import Rows
-from ridedown.studies.plan import Plan
+from ridedown.studies.plan import Asked, Floats, Plan
 from ridedown.studies.study import LoadedStudy, hash_of
 
 FORMAT = 1
@@ -49,6 +49,12 @@ def encode(plan: Plan, chunk: int) -> tuple[bytes, int]:
     start, stop = plan.span(chunk)
     columns = plan.design.columns(start, stop)
     rows = plan.function.rows(columns)
+    return packed(plan, start, columns, rows), rows.failed
+
+
+def packed(plan: Plan, start: int, columns: Mapping[str, Floats], rows: Rows) -> bytes:
+    """The Parquet file of rows from number `start` on: their parameters, and what was computed of them."""
+    stop = start + rows.reason.size
     table = _table(plan, start, {name: columns[name] for name in plan.units}, rows)
     about = {"ridedown.study": plan.hash, "ridedown.rows": f"{start}:{stop}"}
     sink = io.BytesIO()
@@ -62,7 +68,7 @@ def encode(plan: Plan, chunk: int) -> tuple[bytes, int]:
         column_encoding=dict.fromkeys(numbers, "BYTE_STREAM_SPLIT"),  # the bytes of like doubles pack better apart
         write_statistics=["row", *plan.units],
     )
-    return sink.getvalue(), rows.failed
+    return sink.getvalue()
 
 
 def _table(plan: Plan, start: int, inputs: Mapping[str, np.ndarray[Any, Any]], rows: Rows) -> pa.Table:
@@ -128,7 +134,8 @@ class Store:
                 f"--resume: got a study that has changed since {self.folder} was begun: {changes}; need the same study. "
                 "Undo that, or start anew in another folder."
             )
-        different = [key for key in ("ridedown", "rows", "chunk_rows", "columns") if there.get(key) != manifest[key]]
+        fixed = ("ridedown", "chunk_rows", "columns") if self._grows else ("ridedown", "rows", "chunk_rows", "columns")
+        different = [key for key in fixed if there.get(key) != manifest[key]]
         if different:
             key = different[0]
             raise InvalidInput(
@@ -144,11 +151,33 @@ class Store:
             "format": FORMAT,
             "ridedown": ridedown.__version__,
             "study": plan.hash,
-            "rows": plan.rows,
+            "rows": None if self._grows else plan.rows,
             "chunk_rows": plan.chunk_rows,
-            "chunks": plan.chunks,
+            "chunks": None if self._grows else plan.chunks,
             "columns": inputs + outcomes,
         }
+
+    @property
+    def _grows(self) -> bool:
+        """Whether how many rows there are is known at the end only."""
+        return isinstance(self.plan.design, Asked)
+
+    def grown(self, rows: int, chunks: int) -> None:
+        """Keep how many rows and chunks a search came to."""
+        with _explained(self.folder):
+            self._put(self.folder / MANIFEST, _json({**read_manifest(self.folder), "rows": rows, "chunks": chunks}))
+
+    def read(self, chunk: int, start: int) -> pa.Table | None:
+        """A chunk of rows from number `start` on, that an earlier search kept; None if it is not there, or not whole."""
+        path = self.folder / CHUNKS / f"chunk-{chunk:08d}.parquet"
+        try:
+            table = pq.read_table(path)
+        except (OSError, pa.ArrowException):
+            return None
+        told = pq.read_metadata(path).metadata or {}
+        span = f"{start}:{start + table.num_rows}".encode()
+        own = told.get(b"ridedown.study") == self.plan.hash.encode() and told.get(b"ridedown.rows") == span
+        return table if own else None
 
     def remark(self, remarks: Callable[[], list[str]]) -> None:
         """Keep what is to be said of the study, unless that was done when it was begun."""

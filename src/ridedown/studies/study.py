@@ -20,15 +20,15 @@ from ridedown.scenario import Scenario, load, lower
 from ridedown.scenario.base import Check, Model, Name
 from ridedown.scenario.quantities import Duration, Factor
 from ridedown.scenario.reading import SUFFIXES, anchored, table_in
-from ridedown.studies.options import BoundOptions
+from ridedown.studies.options import BoundOptions, BoxOptions, Member, OptimiseOptions
 from ridedown.studies.parameters import StudyParameter
 
 _NEED = "need a table of fields such as kind, scenario and [[parameters]]. docs/studies.md has examples."
 
-Kind = Literal["sweep", "sample", "sensitivity", "bound"]
+Kind = Literal["sweep", "sample", "sensitivity", "bound", "optimise", "box"]
 
 
-_TABLES = ("sample", "sensitivity", "bound")
+_TABLES = ("sample", "sensitivity", "bound", "optimise", "box")
 """Tables of options, each of the kind it is named after."""
 
 
@@ -52,7 +52,8 @@ class SampleOptions(Model):
     """How a sample is drawn and judged.
 
     rows: in all; with a Sobol sequence rounded up to `scramblings` times a power of two. design: how the rows lie. confidence:
-    of intervals.
+    of intervals. rare: rows are drawn where a limit is exceeded instead (importance sampling), after a search in levels of
+    `level_rows`, by a mixture of so many `components`; `rows` for each limit.
     """
 
     rows: int = Field(16_384, strict=True, description="how many rows")
@@ -60,10 +61,16 @@ class SampleOptions(Model):
     scramblings: int = Field(16, strict=True, description="independent parts of a Sobol sequence, by which it is judged")
     seed: int = Field(0, strict=True, description="a whole number from 0")
     confidence: float = Field(0.95, description="of intervals")
+    rare: bool = Field(default=False, strict=True, description="whether rows are drawn where a limit is exceeded")
+    level_rows: int = Field(2000, strict=True, description="rows of each level of the search, of a rare event")
+    components: int = Field(2, strict=True, description="at least as many as there are separate ways to exceed the limit")
 
     def checks(self) -> Iterator[Check]:
         """Rules between the fields."""
-        yield Check("rows", self.rows >= 1, f"{self.rows}", "1 or more")
+        for field, least in (("rows", 100 if self.rare else 1), ("level_rows", 100), ("components", 1)):
+            yield Check(field, getattr(self, field) >= least, f"{getattr(self, field)}", f"{least} or more")
+        sobol = not self.rare or self.design == "sobol"
+        yield Check("design", sobol, f'"{self.design}" of a rare event', "none", "Rows are drawn where the limit is exceeded.")
         yield Check("scramblings", self.scramblings >= 2, f"{self.scramblings}", "2 or more")
         yield Check("seed", self.seed >= 0, f"{self.seed}", "a whole number of 0 or more")
         yield Check("confidence", 0.0 < self.confidence < 1.0, f"{self.confidence}", "a number between 0 and 1")
@@ -116,6 +123,9 @@ class Study(Model):
     correlations: tuple[Correlation, ...] = ()
     sample: SampleOptions | None = Field(None, description="how a sample is drawn")
     sensitivity: SensitivityOptions | None = Field(None, description="how sensitivity is found")
+    population: tuple[Member, ...] = Field((), description="whom and what a design is for")
+    optimise: OptimiseOptions | None = Field(None, description="what is sought")
+    box: BoxOptions | None = Field(None, description="how a solution box is sought")
     bound: BoundOptions | None = Field(None, description="what limiting performance is asked for")
     step: Duration = Field(1e-4, description="time between the samples that criteria are computed from")
 
@@ -125,6 +135,8 @@ class Study(Model):
             self._fill(sample=SampleOptions())
         if self.kind == "sensitivity" and self.sensitivity is None:
             self._fill(sensitivity=SensitivityOptions())
+        if self.kind == "box" and self.box is None:
+            self._fill(box=BoxOptions())
 
     def checks(self) -> Iterator[Check]:
         """Rules between the fields."""
@@ -150,10 +162,46 @@ class Study(Model):
                 yield Check(
                     where, listed, "no list of values", "values or a grid in a sweep", 'For others use kind = "sample".'
                 )
-        drawn = self.kind == "sample" or not self.correlations
+        drawn = self.kind in {"sample", "optimise"} or not self.correlations
         yield Check("correlations", drawn, f'correlations with kind = "{self.kind}"', "none", "Only samples have them.")
+        none = self.kind == "optimise" or not self.population
+        yield Check("population", none, f'a population with kind = "{self.kind}"', "none", "Only an optimisation has one.")
+        if self.kind == "optimise":
+            yield from self._optimise_checks()
+        if self.kind == "box" or (self.sample is not None and self.sample.rare):
+            what = "a box" if self.kind == "box" else "a rare event"
+            yield Check("limits", bool(self.limits), "none", "one table [[limits]] or more", f"They are what {what} is about.")
+        if self.kind == "box":
+            for i, parameter in enumerate(self.parameters):
+                ranged = parameter.range is not None
+                yield Check(f"parameters.{i}.range", ranged, "nothing", "a range, within which the box is sought")
         once = len(set(self.outcomes)) == len(self.outcomes)
         yield Check("outcomes", once, "an outcome twice", "each once", "Take one out.")
+
+    def _optimise_checks(self) -> Iterator[Check]:
+        yield Check("optimise", self.optimise is not None, "nothing", "a table [optimise] with objectives")
+        yield Check("limits", not self.limits, 'limits with kind = "optimise"', "none", "Put them into optimise.constraints.")
+        ranged = [parameter.range is not None for parameter in self.parameters]
+        yield Check("parameters", any(ranged), "none with a range", "one or more", "A range is what a design is sought in.")
+        for i, parameter in enumerate(self.parameters):
+            listed = parameter.values is not None or parameter.grid is not None
+            need = "a range of what is sought, or a distribution of what differs from crash to crash"
+            yield Check(f"parameters.{i}.range", not listed, "a list of values", need, "Put lists into [[population]].")
+        keys = [set(member.values) for member in self.population]
+        for i, own in enumerate(keys):
+            yield Check(
+                f"population.{i}.values", own == keys[0] and bool(own), ", ".join(sorted(own)) or "none", "the same in all"
+            )
+        several = bool(self.population)
+        yield Check("population", all(ranged) or not several, "a population and distributions", "one of them", "Take one out.")
+        assert self.optimise is not None
+        for field in ("objectives", "constraints"):
+            for i, one in enumerate(getattr(self.optimise, field)):
+                known = one.measure == "mean" or several or not all(ranged)
+                where = f"optimise.{field}.{i}.measure"
+                yield Check(
+                    where, known, f'"{one.measure}" of one crash', "a population", "Give distributions, or [[population]]."
+                )
 
     def _bound_checks(self) -> Iterator[Check]:
         yield Check("bound", self.bound is not None, "nothing", "a table [bound] with excursions", "docs/studies.md has one.")
