@@ -146,3 +146,34 @@ def test_an_interrupt_ends_cleanly_and_tells_how_to_go_on(tmp_path, number):
     assert "Traceback" not in stderr
     assert "ridedown study long.toml --resume" in stderr
     assert not list(chunks.glob(".*"))
+
+
+OPTIMISE = """
+kind = "optimise"
+scenario = "p1"
+parameters = [{ path = "adult.restraint.stiffness", range = ["20 kN/m", "120 kN/m"] }]
+
+[optimise]
+objectives = [{ outcome = "adult.acceleration.peak" }]
+constraints = [{ outcome = "adult.excursion.max", most = "250 mm" }]
+candidates = 8
+generations = 4
+"""
+
+
+def test_searches_and_bounds_are_shown(tmp_path):
+    (tmp_path / "belt.toml").write_text(OPTIMISE)
+    result = ran("study", tmp_path / "belt.toml", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.stderr
+    assert "The best design found" in result.stdout
+    assert "at most 250 mm" in result.stdout
+    assert "Mean" not in result.stdout
+    result = ran("study", tmp_path / "belt.toml", "--out", tmp_path / "out", "--resume", "--json")
+    said = json.loads(result.stdout)
+    assert said["complete"]
+    assert said["results"]["chosen"]["feasible"]
+    (tmp_path / "bound.toml").write_text('kind = "bound"\nscenario = "sled-half-sine"\nbound = { excursions = [0.2, 0.3] }\n')
+    result = ran("study", tmp_path / "bound.toml", "--out", tmp_path / "bound")
+    assert result.exit_code == 0, result.stderr
+    assert "10.99" in result.stdout
+    assert "OLC of the pulse: 22.03 g" in result.stdout

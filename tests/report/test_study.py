@@ -121,3 +121,34 @@ def test_a_front_has_a_table_in_order_and_its_chosen_design():
     section = report.front_section({Quantity("k", "N/m"): np.array([5e4, 9e4])}, goals, chosen=0, limits={"x": [Bar(0.35)]})
     assert [plot.name for plot in section.plots] == ["front-y-x", "parallel"]
     assert section.tables[0].rows == (("1", "90", "200", "30.59"), ("2 (chosen)", "50", "300", "20.39"))
+
+
+def test_a_search_has_what_it_found_and_not_the_spread_of_its_rows(tmp_path):
+    ranged = [{"path": STIFFNESS["path"], "range": ["40 kN/m", "120 kN/m"]}, {"path": RATIO["path"], "range": [0.1, 0.9]}]
+    common = {"scenario": "sled-half-sine", "outcomes": OUTCOMES, "parameters": ranged}
+    limits = [{"outcome": OUTCOMES[0], "most": "200 mm"}]
+    drawn = {"path": STIFFNESS["path"], "distribution": {"kind": "uniform", "lower": "60 kN/m", "upper": "90 kN/m"}}
+    goals = [{"outcome": outcome} for outcome in OUTCOMES]
+    several = {"objectives": goals, "candidates": 8, "generations": 4}
+    one = {**several, "objectives": goals[:1], "constraints": [{"outcome": OUTCOMES[1], "most": "20 g"}]}
+    studies = {
+        "front": {**common, "kind": "optimise", "optimise": several},
+        "one": {**common, "kind": "optimise", "optimise": one},
+        "box": {**common, "kind": "box", "limits": limits, "box": {"rounds": 3, "rows": 16, "bad_share": 0.2}},
+        "rare": {
+            **common, "kind": "sample", "parameters": [drawn], "limits": limits,
+            "sample": {"rare": True, "rows": 200, "level_rows": 100},
+        },
+    }  # fmt: skip
+    for name, study in studies.items():
+        loaded = load_study(study)
+        folder = run_study(loaded, tmp_path / name)
+        page = report.page_of(loaded, folder)
+        assert [section.anchor for section in page.sections] == ["found", *(["front"] if name == "front" else [])]
+        page.write(folder)
+        html = (folder / "index.html").read_text(encoding="utf-8")
+        check_alone(html)
+        assert ">Mean<" not in html
+        assert "seed 0" in html
+        words = {"front": "The knee of a front of", "one": "at an end of its range", "box": "200 mm", "rare": "Effective rows"}
+        assert words[name] in html

@@ -54,9 +54,8 @@ def study(
             run_plan(loaded, plan, folder, resume=resume, threads=threads, cluster=cluster, report=shown)
     except Stopped as stopped:
         done = stopped.progress.before + stopped.progress.done
-        typer.echo(
-            f"ridedown: stopped with {done:,} of {plan.rows:,} rows kept in {folder}. {_how_to_go_on(file, out)}", err=True
-        )
+        of = "" if loaded.searches else f" of {plan.rows:,}"  # how many a search asks for is known at its end
+        typer.echo(f"ridedown: stopped with {done:,}{of} rows kept in {folder}. {_how_to_go_on(file, out)}", err=True)
         return False
     summary = summary_of(folder)
     _write_page(loaded, folder)
@@ -121,6 +120,8 @@ def _show(loaded: LoadedStudy, summary: dict[str, Any], folder: Path) -> None:
     show.console().print()
     if study.bound is not None:
         _show_bound(loaded, folder)
+    elif loaded.searches:
+        _show_found(folder)
     else:
         _show_rows(summary)
     failed = tuple((f"{one['rows']:,}", one["status"], one["why"] or "") for one in summary["failed"])
@@ -192,6 +193,16 @@ def _show_bound(loaded: LoadedStudy, folder: Path) -> None:
     show.note(f"The ideal restraint within {1e3 * found.ideal.excursion:.0f} mm has {found.ideal.peak_g:.2f} g: {parts}.")
     if found.olc is not None:
         show.note(f"OLC of the pulse: {found.olc / STANDARD_GRAVITY:.2f} g.")
+
+
+def _show_found(folder: Path) -> None:
+    """Print what a search found."""
+    from ridedown.report.study_found import Found  # noqa: PLC0415  draws, which takes a second to load
+
+    found = Found(folder)
+    show.tables(*found.tables)
+    for note in found.notes:
+        show.note(note)
 
 
 def _how_to_go_on(file: str, out: Path | None) -> str:

@@ -13,6 +13,7 @@ from ridedown.report import study_bound
 from ridedown.report.jsontext import json_text
 from ridedown.report.page import render
 from ridedown.report.study_axes import Bar, Floats, Quantity
+from ridedown.report.study_found import Found
 from ridedown.report.study_optimise import front_plot, parallel_plot
 from ridedown.report.study_sample import cumulative_plot, distribution_plot
 from ridedown.report.study_sensitivity import Interval, effect_plot, idle_sentence, index_plot, tornado_plot
@@ -75,6 +76,8 @@ def page_of(loaded: LoadedStudy, folder: Path) -> Page:
     if loaded.study.bound is not None:
         return bound_page(kept_bound(loaded, folder), description=loaded.study.description, source=loaded.text)
     kept = _Kept(loaded, folder)
+    if loaded.searches:
+        return _found_page(kept, folder)
     kinds = {"sweep": _sweep, "sample": _sample, "sensitivity": _sensitivity}
     drawn = tuple(kinds[kept.kind](kept)) if kept.kind in kinds else ()
     tables = tuple(table for table in (_outcomes(kept), _limits(kept), _failed(kept)) if table.rows)
@@ -82,6 +85,19 @@ def page_of(loaded: LoadedStudy, folder: Path) -> Page:
     study = loaded.study
     rows = f"{kept.summary['done']:,} of {kept.summary['rows']:,} rows; kind {kept.kind}."
     return Page(study.name or "A study", study.description, rows, sections, tuple(kept.notes()), loaded.text)
+
+
+def _found_page(kept: _Kept, folder: Path) -> Page:
+    """The page of a study that searched."""
+    found, study = Found(folder), kept.loaded.study
+    tables = tuple(table for table in (*found.tables, _failed(kept)) if table.rows)
+    sections = [Section("found", "What was found", tables)]
+    if found.front is not None:
+        parameters, goals, chosen = found.front
+        sections.append(front_section(parameters, goals, chosen=chosen))
+    rows = f"{kept.summary['done']:,} rows; kind {kept.kind}."
+    notes = (*kept.summary["remarks"], *found.notes)
+    return Page(study.name or "A study", study.description, rows, tuple(sections), notes, kept.loaded.text)
 
 
 def bound_page(study: BoundStudy, *, description: str = "", source: str = "") -> Page:

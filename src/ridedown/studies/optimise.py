@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import Bounds, differential_evolution, minimize
 
+from ridedown.errors import InvalidInput
 from ridedown.studies.designs import Seed, Sobol, seed_of
 from ridedown.studies.evaluation import BATCH, Evaluator, Floats, Progress, check_count
 from ridedown.studies.goals import Goal, Judge, Judged, Population, Requirement
@@ -83,18 +84,23 @@ def optimise(
     def merits(designs: Floats) -> Floats:
         return order.merit(judge(np.atleast_2d(designs.T)))
 
-    found = differential_evolution(
-        merits,  # type: ignore[arg-type]  # columns of designs to a column of merits, as vectorized asks
-        Bounds(np.zeros(n), np.ones(n)),
-        init=start,
-        maxiter=generations,
-        tol=_SPREAD_LEFT,
-        atol=_SPREAD_LEFT,
-        rng=np.random.default_rng(fixed),
-        polish=False,
-        updating="deferred",
-        vectorized=True,
-    )
+    try:
+        found = differential_evolution(
+            merits,  # type: ignore[arg-type]  # columns of designs to a column of merits, as vectorized asks
+            Bounds(np.zeros(n), np.ones(n)),
+            init=start,
+            maxiter=generations,
+            tol=_SPREAD_LEFT,
+            atol=_SPREAD_LEFT,
+            rng=np.random.default_rng(fixed),
+            polish=False,
+            updating="deferred",
+            vectorized=True,
+        )
+    except RuntimeError as error:
+        if isinstance(error.__cause__, InvalidInput):  # scipy takes it for a mistake in how it was called
+            raise error.__cause__ from None
+        raise
     best, merit = np.clip(np.asarray(found.x), 0.0, 1.0), float(found.fun)
     by_slope = _by_slope(judge, order, best) if merit < _Order.INFEASIBLE else best
     polished, better = _by_compass(judge, order, by_slope, best)

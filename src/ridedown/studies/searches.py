@@ -55,7 +55,8 @@ def _optimised(loaded: LoadedStudy, options: OptimiseOptions, plan: Plan, evalua
             for one in goals
         ],
         "constraints": [
-            {"words": one.words, "outcome": one.outcome, "unit": _unit(one, plan), "most": one.most, "least": one.least}
+            {"words": one.words, "of": one.measure.words(one.outcome), "outcome": one.outcome, "unit": _unit(one, plan)}
+            | {"most": one.most, "least": one.least}
             for one in requirements
         ],
         "ranges": {name: list(ends) for name, ends in ranges.items()},

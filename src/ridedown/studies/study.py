@@ -224,6 +224,12 @@ class LoadedStudy:
     text: str = ""
 
     @property
+    def searches(self) -> bool:
+        """Whether its rows follow from one another, so that their spread says nothing."""
+        study = self.study
+        return study.kind in {"optimise", "box"} or (study.sample is not None and study.sample.rare)
+
+    @property
     def identity(self) -> dict[str, Any]:
         """Plain data that two studies share only if their results do."""
         scenarios = {
