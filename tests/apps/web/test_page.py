@@ -312,6 +312,9 @@ def test_a_study_is_started_watched_and_downloaded(watched: Watched) -> None:
     with page.expect_download() as waiting:
         page.get_by_role("link", name="Download Parquet").first.click()
     assert Path(waiting.value.path()).read_bytes()[:4] == b"PAR1"
+    with page.expect_download() as waiting:
+        page.get_by_role("link", name="Report").first.click()
+    assert b"<svg" in Path(waiting.value.path()).read_bytes() or b"data:image/svg" in Path(waiting.value.path()).read_bytes()
     page.locator("textarea").fill('kind = "sweep"\nscenario = "/etc/passwd"')
     page.get_by_role("button", name="Start").click()
     page.wait_for_selector(".study-new .refused")

@@ -340,6 +340,7 @@ def test_a_study_runs_in_a_folder_of_its_own(tmp_path: Path) -> None:
     assert kept["complete"]
     assert kept["outcomes"]["adult.excursion.max"]["max"] > 0.1
     assert studies.results(kept["name"])[:4] == b"PAR1"
+    assert studies.report(kept["name"]).lower().startswith(b"<!doctype html")
     assert [path.name for path in tmp_path.iterdir()] == ["kept"]
 
 
@@ -351,7 +352,12 @@ def test_a_study_cannot_be_another_folder(tmp_path: Path, name: str) -> None:
     (kept / "link").symlink_to(outside)
     (outside / "study.toml").write_text(SMALL.format(scenario="p1"))
     studies = Studies(kept)
-    for ask in (studies.results, studies.summary, lambda name: studies.answer({"action": "resume", "study": name})):
+    for ask in (
+        studies.results,
+        studies.report,
+        studies.summary,
+        lambda name: studies.answer({"action": "resume", "study": name}),
+    ):
         with pytest.raises(RidedownError):
             ask(name)
     assert [path.name for path in outside.iterdir()] == ["study.toml"]

@@ -98,6 +98,7 @@ function StudyCard({ study, busy, runs, onResume }: { study: Kept; busy: boolean
       <div class="actions">
         {!study.complete && <button type="button" disabled={busy} onClick={onResume}>Resume</button>}
         {study.done > 0 && <a class="button" href={`study/${study.name}/results.parquet`} download>Download Parquet</a>}
+        {study.done > 0 && <a class="button" href={`study/${study.name}/report.html`} download>Report</a>}
       </div>
       {study.failed.map((one) => <p key={one.why} class="refused">{one.rows} rows: {one.status}; {one.why}</p>)}
       {outcomes.length > 0 && (

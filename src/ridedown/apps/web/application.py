@@ -25,7 +25,7 @@ from ridedown.apps.web.session import MOST_MESSAGE, Session
 from ridedown.apps.web.state import MOST_SESSIONS, Server
 from ridedown.apps.web.studies import Studies
 from ridedown.apps.web.uploads import MOST_BYTES
-from ridedown.errors import InvalidInput
+from ridedown.errors import InvalidInput, UnknownName
 
 STATIC = Path(__file__).parent / "static"
 """The built front end."""
@@ -66,7 +66,7 @@ def application(*, token: str | None = None, studies: Studies | None = None) -> 
         WebSocketRoute("/live", live),
         Route("/upload", upload, methods=["POST"]),
         Route("/export/{kind}", exported, methods=["POST"]),
-        Route("/study/{name}/results.parquet", study),
+        Route("/study/{name}/{what}", study),
         Mount("/assets", _Assets(directory=STATIC / "assets", check_dir=False)),
     ]
     return Guard(Starlette(routes=routes, lifespan=life), token)
@@ -131,10 +131,17 @@ async def _export(request: Request, pool: Executor) -> Response:
 
 
 async def _study(request: Request, server: Server) -> Response:
-    name = request.path_params["name"]
-    content = await asyncio.get_running_loop().run_in_executor(server.slow, server.studies.results, name)
-    headers = {"content-disposition": f'attachment; filename="{name}.parquet"'}
-    return Response(content, media_type="application/vnd.apache.parquet", headers=headers)
+    name, what = request.path_params["name"], request.path_params["what"]
+    made = {
+        "results.parquet": (server.studies.results, "application/vnd.apache.parquet"),
+        "report.html": (server.studies.report, "text/html"),
+    }
+    if what not in made:
+        raise UnknownName.among("file", what[:50], made)
+    compute, media_type = made[what]
+    content = await asyncio.get_running_loop().run_in_executor(server.slow, compute, name)
+    headers = {"content-disposition": f'attachment; filename="{name}{Path(what).suffix}"'}
+    return Response(content, media_type=media_type, headers=headers)
 
 
 async def _body(request: Request, most: int) -> bytes:

@@ -83,6 +83,12 @@ class Studies:
                 writer.write_table(pq.read_table(file))
         return bytes(sink.getvalue())
 
+    def report(self, name: str) -> bytes:
+        """The page of a study, as `ridedown study` writes it. Raises: InvalidInput, UnknownName."""
+        from ridedown.report.study import page_of  # noqa: PLC0415  draws, which takes a second to load
+
+        return page_of(self._begun(name), self._own(name)).html().encode()
+
     def summary(self, name: str) -> dict[str, Any]:
         """What a study comes to so far. Raises: InvalidInput, UnknownName."""
         from ridedown.studies.summary import summary_of  # noqa: PLC0415
@@ -107,12 +113,8 @@ class Studies:
         self._launch(name, loaded, resume=False)
 
     def _resume(self, message: Mapping[str, Any]) -> None:
-        self._writable()
         name = str(message.get("study"))
-        path = self._own(name) / _TEXT
-        if path.is_symlink() or not path.is_file():
-            raise InvalidInput(f"study: got {name}, which was not begun here; need one with its {_TEXT}.")
-        self._launch(name, _loaded(path.read_text(encoding="utf-8")), resume=True)
+        self._launch(name, self._begun(name), resume=True)
 
     def _cancel(self, _message: Mapping[str, Any]) -> None:
         if self._running is not None:
@@ -143,6 +145,13 @@ class Studies:
         if name not in self._names():
             raise UnknownName.among("study", name[:60], self._names())
         return self._writable() / name
+
+    def _begun(self, name: str) -> LoadedStudy:
+        """A study of ours as it was begun."""
+        path = self._own(name) / _TEXT
+        if path.is_symlink() or not path.is_file():
+            raise InvalidInput(f"study: got {name}, which was not begun here; need one with its {_TEXT}.")
+        return _loaded(path.read_text(encoding="utf-8"))
 
     def _names(self) -> list[str]:
         if self.folder is None or not self.folder.is_dir():
