@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,7 +21,7 @@ from ridedown.studies.goals import Beyond, Goal, MeanPlus, Population, Requireme
 from ridedown.studies.optimise import optimise
 from ridedown.studies.plan import Function, plan_of
 from ridedown.studies.results import finite
-from ridedown.studies.store import read_manifest, read_results
+from ridedown.studies.store import Store, read_manifest, read_results
 from ridedown.studies.study import load_study
 from tests.studies.small import contents
 
@@ -253,6 +254,19 @@ def test_rows_that_differ_from_those_kept_are_not_gone_on_with(tmp_path):
     pq.write_table(other.replace_schema_metadata(table.schema.metadata), early)
     with pytest.raises(InvalidInput, match="not those kept"):
         run_plan(loaded, plan, folder, resume=True)
+
+
+@pytest.mark.parametrize("study", [OPTIMISE, FRONT, BOX, RARE], ids=["one", "several", "box", "rare"])
+def test_a_full_disk_is_said_in_a_sentence_whatever_library_searches(tmp_path, study, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    loaded = load_study(study)
+    plan = replace(plan_of(loaded), chunk_rows=32)
+    put = Store._put
+    monkeypatch.setattr(Store, "_put", lambda self, path, data: (full if path.suffix == ".parquet" else put)(self, path, data))
+    with pytest.raises(InvalidInput, match="full disk"):
+        run_plan(loaded, plan, tmp_path / "out")
 
 
 @dataclass(frozen=True)
