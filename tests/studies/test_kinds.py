@@ -354,7 +354,7 @@ def changed(study, **options):
         ({**OPTIMISE, "parameters": [{"path": STIFFNESS, "values": [1e5]}]}, "range"),
         ({**OPTIMISE, "population": [{"values": {"adult.mas": 1}}]}, r"population.*adult\.mass"),
         ({**OPTIMISE, "population": [{"values": {"adult.mass": "1 kN"}}]}, r"population.*a force"),
-        ({**OPTIMISE, "population": [{"values": {STIFFNESS: 1e5}}]}, r"population"),
+        ({**OPTIMISE, "population": [{"values": {STIFFNESS: 1e5}}]}, r"population\.0\.values.*which a parameter sets too"),
         ({**BOX, "limits": []}, r"limits: got none"),
         ({**BOX, "parameters": RARE["parameters"]}, r"parameters\.0\.range"),
         ({**BOX, "box": {"rows": 2}}, r"box\.rows"),

@@ -192,6 +192,10 @@ class Study(Model):
             yield Check(
                 f"population.{i}.values", own == keys[0] and bool(own), ", ".join(sorted(own)) or "none", "the same in all"
             )
+        own = {place for parameter in self.parameters for place in (parameter.name, *parameter.places)}
+        both = sorted(own & set().union(*keys))
+        once = ", ".join(both)
+        yield Check("population.0.values", not both, f"{once}, which a parameter sets too", "each set once", "Take one out.")
         several = bool(self.population)
         yield Check("population", all(ranged) or not several, "a population and distributions", "one of them", "Take one out.")
         assert self.optimise is not None
