@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ridedown.apps.web.geometry import geometry
-from ridedown.report.lines import against_time
+from ridedown.report.lines import against_time, vehicles
 from ridedown.response import Response
 
 Frame = tuple[dict[str, Any], dict[str, NDArray[Any]]]
@@ -69,8 +69,7 @@ def finite(values: NDArray[np.float64]) -> NDArray[np.float32]:
 def _drawn(response: Response) -> Iterator[str]:
     """The channels that the animation needs beside those of the figures."""
     known = set(response.channels)
-    network = response.network
     wanted = ["bar.displacement", "bar.rotation"]
-    wanted += [f"{element}.deflection" for element in network.elements]
+    wanted += [f"{vehicle}.{side}.deflection" for vehicle in vehicles(response.scenario) for side in ("right", "left")]
     wanted += [f"{occupant.name}.seat.excursion" for occupant in getattr(response.scenario, "occupants", ())]
     return (name for name in wanted if name in known)
