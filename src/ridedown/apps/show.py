@@ -19,7 +19,6 @@ from ridedown.report import criteria_tables, summary
 from ridedown.report.jsontext import json_text
 from ridedown.report.tables import Column, Table
 from ridedown.response import Response
-from ridedown.studies.study import load_study
 
 if TYPE_CHECKING:
     from ridedown.report.criteria import CriteriaReport
@@ -72,6 +71,8 @@ def rows_bar(rows: int) -> Progress:
 
 def catalogue_list() -> None:
     """Print every entry of the catalogue: name, how sure its numbers are, what it is."""
+    from ridedown.studies.study import load_study  # noqa: PLC0415  a fifth of a second that only this list needs
+
     entries = [catalogue.entry(name) for name in catalogue.names()]
     columns = (Column("Name", numeric=False), Column("Confidence", numeric=False), Column("What", numeric=False))
     rows = tuple((entry.name, entry.confidence, entry.description) for entry in entries)
