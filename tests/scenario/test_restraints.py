@@ -188,7 +188,7 @@ def test_the_force_of_all_restraints_counts_the_seat_back_the_other_way() -> Non
 
 REFUSED: list[tuple[str, object, str, str]] = [
     # path in the first occupant, value, field in the message, words in the message
-    ("restraints.0.kind", "blet", "restraints.0.kind", 'got "blet"; need one of belt, airbag'),
+    ("restraints.0.kind", "blet", "restraints.0.kind", 'got "blet"; need one of "belt", "airbag"'),
     ("restraints.0.kind", LEAVE_OUT, "restraints.0.kind", "got nothing"),
     ("restraints.0.slakc", 1, "restraints.0.slakc", 'Did you mean "slack"?'),
     ("restraints.0.gap", 1, "restraints.0.gap", "an unknown key"),

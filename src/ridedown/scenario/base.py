@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, NamedTuple, Self, get_args, get_origin
 
@@ -233,3 +233,21 @@ def _shown(value: object) -> str:
         return f"a list of {len(value)}"
     text = f'"{value}"' if isinstance(value, str) else str(value)
     return text if len(text) <= 80 else text[:76] + '..."'
+
+
+def of_known_kind(value: object, base: type[Model], kinds: Collection[str], wanted: str) -> object:
+    """A model of the base, or a table whose `kind` is one that there is, before pydantic chooses by it.
+
+    Raises: Refused, with the nearest kind; `wanted` says what else is needed.
+    """
+    if isinstance(value, base):
+        return value
+    if not isinstance(value, Mapping):
+        raise Refused(f'"{value}"' if isinstance(value, str) else type(value).__name__, wanted)
+    kind = value.get("kind")
+    if not isinstance(kind, str) or kind not in kinds:
+        near = difflib.get_close_matches(kind, kinds, n=1) if isinstance(kind, str) else []
+        got = "nothing" if kind is None else f'"{kind}"'
+        fix = f'Did you mean "{near[0]}"?' if near else ""
+        raise Refused(got, "one of " + ", ".join(f'"{kind}"' for kind in kinds), fix, field="kind")
+    return dict(value)

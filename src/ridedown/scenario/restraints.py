@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from ridedown.scenario.base import Check, Model, Name, exclusive
+from ridedown.scenario.base import Check, Model, Name, exclusive, of_known_kind
 from ridedown.scenario.member import ForceCurve
 from ridedown.scenario.quantities import (
     Damping,
@@ -21,7 +21,6 @@ from ridedown.scenario.quantities import (
     Instant,
     Number,
     Pull,
-    Refused,
     Slack,
     Span,
     Stiffness,
@@ -268,12 +267,8 @@ def _which(restraint: Any) -> str:
     return f"({kind})" if kind in {"belt", "airbag"} else "(contact)"
 
 
-def _of_a_known_kind(restraint: Any) -> Any:
-    if isinstance(restraint, dict) and restraint.get("kind") not in KINDS:
-        kind = restraint.get("kind")
-        shown = f'"{kind}"' if isinstance(kind, str) else "nothing" if kind is None else str(kind)
-        raise Refused(shown, f"one of {', '.join(KINDS)}", field="kind")
-    return restraint
+def _of_a_known_kind(restraint: object) -> object:
+    return of_known_kind(restraint, Model, KINDS, "a table with the kind of restraint")
 
 
 AnyRestraint = Annotated[

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from ridedown.scenario.base import NOT_YET, Check, without_default
+from ridedown.scenario.base import NOT_YET, Check, of_known_kind, without_default
 from ridedown.scenario.model import Description, distinct, named
 from ridedown.scenario.occupant import Occupant
 from ridedown.scenario.pulse import (
@@ -24,7 +23,7 @@ from ridedown.scenario.pulse import (
 from ridedown.scenario.pulse_measured import MeasuredPulse
 from ridedown.scenario.pulse_points import PointsPulse
 from ridedown.scenario.pulse_solved import ScenarioPulse
-from ridedown.scenario.quantities import Duration, Number, Refused, Velocity
+from ridedown.scenario.quantities import Duration, Number, Velocity
 
 KINDS: dict[str, type[BasePulse]] = {
     "half-sine": SimplePulse,
@@ -45,16 +44,7 @@ USUAL_DURATION = 0.2  # s
 
 def _known(value: object) -> object:
     """A pulse, or a table with a kind that there is."""
-    if isinstance(value, BasePulse):
-        return value
-    if not isinstance(value, Mapping):
-        raise Refused(f'"{value}"' if isinstance(value, str) else type(value).__name__, "a table [pulse] with a kind")
-    kind, kinds = value.get("kind"), ", ".join(f'"{kind}"' for kind in KINDS)
-    if not isinstance(kind, str) or kind not in KINDS:
-        near = difflib.get_close_matches(kind, KINDS, n=1) if isinstance(kind, str) else []
-        got = "nothing" if kind is None else f'"{kind}"'
-        raise Refused(got, f"one of {kinds}", f'Did you mean "{near[0]}"?' if near else "", field="kind")
-    return dict(value)
+    return of_known_kind(value, BasePulse, KINDS, "a table [pulse] with a kind")
 
 
 def _which(value: Any) -> str:

@@ -6,8 +6,7 @@ and truncated), 14 (lognormal), 26 (triangular).
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -15,8 +14,8 @@ from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 from scipy.special import log_ndtr, ndtr, ndtri
 
-from ridedown.scenario.base import Check, exclusive
-from ridedown.scenario.quantities import Quantity, Refused, show
+from ridedown.scenario.base import Check, exclusive, of_known_kind
+from ridedown.scenario.quantities import Quantity, show
 from ridedown.studies.distribution import Distribution, Floats, Level, Positive, Weight
 
 _LEAST_SHARE = 1e-9  # of the normal that truncation must leave, for its inverse to have digits left
@@ -436,16 +435,7 @@ KINDS: dict[str, type[Distribution]] = {
 
 def _known(value: object) -> object:
     """A distribution, or a table with a kind that there is."""
-    if isinstance(value, Distribution):
-        return value
-    if not isinstance(value, Mapping):
-        raise Refused(f'"{value}"' if isinstance(value, str) else type(value).__name__, "a table with the kind of distribution")
-    kind, kinds = value.get("kind"), ", ".join(f'"{kind}"' for kind in KINDS)
-    if not isinstance(kind, str) or kind not in KINDS:
-        near = difflib.get_close_matches(kind, KINDS, n=1) if isinstance(kind, str) else []
-        got = "nothing" if kind is None else f'"{kind}"'
-        raise Refused(got, f"one of {kinds}", f'Did you mean "{near[0]}"?' if near else "", field="kind")
-    return dict(value)
+    return of_known_kind(value, Distribution, KINDS, "a table with the kind of distribution")
 
 
 def _which(value: Any) -> str:
