@@ -191,6 +191,7 @@ REFUSED: list[tuple[str, object, str, str]] = [
     ("restraints.0.kind", "blet", "restraints.0.kind", 'got "blet"; need one of "belt", "airbag"'),
     ("restraints.0.kind", LEAVE_OUT, "restraints.0.kind", "got nothing"),
     ("restraints.0.slakc", 1, "restraints.0.slakc", 'Did you mean "slack"?'),
+    ("restraints.0.pretensioners.0.pullin", 1, "restraints.0.pretensioners.0.pullin", 'Did you mean "pull_in"?'),
     ("restraints.0.gap", 1, "restraints.0.gap", "an unknown key"),
     ("restraints.0.stiffness", 1e5, "restraints.0.pieces", "both stiffness and pieces"),
     ("restraints.0.pieces", LEAVE_OUT, "restraints.0.stiffness", "a stiffness, pieces or points"),

@@ -160,8 +160,9 @@ def _owners(model: type[Model], path: list[int | str], choices: list[str]) -> li
         if isinstance(part, str):
             fields = [owner.model_fields[part] for owner in owners if part in owner.model_fields]
             owners = [found for field in fields for found in models_in(field.annotation)]
-    tags = [f"({owner.__name__.lower()})" for owner in owners]
-    return [owner for owner, tag in zip(owners, tags, strict=True) if not choices or tag in choices]
+            chosen = [owner for owner in owners if f"({owner.__name__.lower()})" in choices]
+            owners = chosen or owners  # a model inside the one that was chosen is no choice itself
+    return owners
 
 
 def _refusal(detail: ErrorDetails, path: list[int | str], owners: list[type[Model]]) -> Refused:
