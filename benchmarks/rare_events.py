@@ -11,10 +11,10 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.special import ndtr
 
-from ridedown.studies.designs import Variables
+from ridedown.studies.analysis.designs import Variables
+from ridedown.studies.analysis.evaluation import Floats, Limit
+from ridedown.studies.analysis.importance import rare_event
 from ridedown.studies.distributions import Normal
-from ridedown.studies.evaluation import Floats, Limit
-from ridedown.studies.importance import rare_event
 
 
 def plane(table: Mapping[str, Floats]) -> dict[str, Floats]:

@@ -10,7 +10,7 @@ import pytest
 
 from ridedown.scenario import dump, load
 from ridedown.studies import load_calibration, load_study
-from ridedown.studies.plan import plan_of
+from ridedown.studies.rows.plan import plan_of
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = [

@@ -16,8 +16,8 @@ from ridedown.paper.reproduce import reproduce
 from ridedown.scenario import load, parameters, substitute
 from ridedown.scenario.quantities import read
 from ridedown.simulation import simulate
+from ridedown.studies.analysis.cma_es import Effort
 from ridedown.studies.calibration.problem import Problem
-from ridedown.studies.search import Effort
 from ridedown.units import ACCELERATION, LENGTH
 
 LITTLE = Effort(restarts=1, sample=64, population=16, generations=6, patience=6)

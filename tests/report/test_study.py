@@ -13,8 +13,8 @@ from ridedown.report import study as report
 from ridedown.report.study_axes import Bar, Quantity
 from ridedown.studies import run_study
 from ridedown.studies.bound import Design, bound_study
-from ridedown.studies.study import load_study
-from ridedown.studies.summary import summary_of
+from ridedown.studies.file.study import load_study
+from ridedown.studies.results.summary import summary_of
 
 OUTCOMES = ["adult.excursion.max", "adult.acceleration.peak"]
 STIFFNESS = {"path": "adult.restraint.stiffness", "values": ["40 kN/m", "60 kN/m", "98.1 kN/m"]}

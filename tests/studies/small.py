@@ -7,9 +7,9 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from ridedown.studies import execution
-from ridedown.studies.plan import plan_of
-from ridedown.studies.study import load_study
+from ridedown.studies.file.study import load_study
+from ridedown.studies.rows.plan import plan_of
+from ridedown.studies.running import execution
 
 SWEEP = {
     "kind": "sweep",

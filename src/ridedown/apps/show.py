@@ -71,7 +71,7 @@ def rows_bar(rows: int) -> Progress:
 
 def catalogue_list() -> None:
     """Print every entry of the catalogue: name, how sure its numbers are, what it is."""
-    from ridedown.studies.study import load_study  # noqa: PLC0415  a fifth of a second that only this list needs
+    from ridedown.studies.file.study import load_study  # noqa: PLC0415  a fifth of a second that only this list needs
 
     entries = [catalogue.entry(name) for name in catalogue.names()]
     columns = (Column("Name", numeric=False), Column("Confidence", numeric=False), Column("What", numeric=False))

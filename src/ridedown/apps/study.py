@@ -20,12 +20,12 @@ from ridedown.apps import show
 from ridedown.criteria import STANDARD_GRAVITY
 from ridedown.errors import InvalidInput
 from ridedown.report.tables import Column, Table
-from ridedown.studies.execution import Progress, Stopped, run_plan
-from ridedown.studies.plan import plan_of
-from ridedown.studies.results import kept_bound
-from ridedown.studies.sql import query as rows_for
-from ridedown.studies.study import LoadedStudy, load_study
-from ridedown.studies.summary import summary_of
+from ridedown.studies.file.study import LoadedStudy, load_study
+from ridedown.studies.results.findings import kept_bound
+from ridedown.studies.results.sql import query as rows_for
+from ridedown.studies.results.summary import summary_of
+from ridedown.studies.rows.plan import plan_of
+from ridedown.studies.running.execution import Progress, Stopped, run_plan
 
 _EVERY = 10.0
 """s between two lines of progress, where there is no terminal to draw on."""

@@ -20,10 +20,10 @@ from ridedown.paper.reproduce import Reproduction
 from ridedown.paper.trends import trends
 from ridedown.scenario import CrashScenario, dump
 from ridedown.simulation import simulate
+from ridedown.studies.analysis.cma_es import Effort, runs
 from ridedown.studies.calibration.fit import effort_of
 from ridedown.studies.calibration.problem import Problem
 from ridedown.studies.calibration.unknowns import values_of
-from ridedown.studies.search import Effort, runs
 
 NEAR = 0.03
 """The largest relative error that a vehicle of the paper may have in any of the ten numbers [1]."""

@@ -21,11 +21,11 @@ from ridedown.report.study_sweep import carpet_plot, line_plot, map_plot
 from ridedown.report.style import Plot
 from ridedown.report.tables import Column, Table, number
 from ridedown.studies.bound import BoundStudy
-from ridedown.studies.results import kept_bound
-from ridedown.studies.sql import connect
-from ridedown.studies.store import read_manifest
-from ridedown.studies.study import LoadedStudy
-from ridedown.studies.summary import quoted, summary_of
+from ridedown.studies.file.study import LoadedStudy
+from ridedown.studies.results.findings import kept_bound
+from ridedown.studies.results.sql import connect
+from ridedown.studies.results.store import read_manifest
+from ridedown.studies.results.summary import quoted, summary_of
 
 _MOST_OUTCOMES = 8  # drawn; the table has all
 _MOST_ROWS = 200_000  # that a figure is made of; of more, evenly many

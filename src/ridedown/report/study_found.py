@@ -10,7 +10,7 @@ import numpy as np
 
 from ridedown.report.study_axes import Bar, Floats, Quantity
 from ridedown.report.tables import NONE, Column, Table
-from ridedown.studies.store import read_manifest, read_results
+from ridedown.studies.results.store import read_manifest, read_results
 
 
 class Found:

@@ -17,7 +17,7 @@ from ridedown.apps.web.requests import MOST_TEXT, refuse_files
 from ridedown.errors import InvalidInput, RidedownError, UnknownName
 from ridedown.scenario.reading import table_in
 from ridedown.studies import load_study
-from ridedown.studies.study import LoadedStudy
+from ridedown.studies.file.study import LoadedStudy
 
 MOST_ROWS = 20_000_000
 """Of one study from the page: an hour or so."""
@@ -72,7 +72,7 @@ class Studies:
         import pyarrow as pa  # noqa: PLC0415  slow to import, and few sessions ask for it
         import pyarrow.parquet as pq  # noqa: PLC0415
 
-        from ridedown.studies.store import chunk_files  # noqa: PLC0415
+        from ridedown.studies.results.store import chunk_files  # noqa: PLC0415
 
         files = chunk_files(self._own(name))
         if not files:
@@ -91,7 +91,7 @@ class Studies:
 
     def summary(self, name: str) -> dict[str, Any]:
         """What a study comes to so far. Raises: InvalidInput, UnknownName."""
-        from ridedown.studies.summary import summary_of  # noqa: PLC0415
+        from ridedown.studies.results.summary import summary_of  # noqa: PLC0415
 
         found = summary_of(self._own(name))
         found.pop("folder")
@@ -121,7 +121,7 @@ class Studies:
             self._running.cancelled = True
 
     def _launch(self, name: str, loaded: LoadedStudy, *, resume: bool) -> None:
-        from ridedown.studies.plan import plan_of  # noqa: PLC0415  heavy
+        from ridedown.studies.rows.plan import plan_of  # noqa: PLC0415  heavy
 
         plan = plan_of(loaded)
         if plan.rows > MOST_ROWS:
@@ -182,7 +182,7 @@ class Studies:
 
 def _run(running: _Running, loaded: LoadedStudy, plan: Any, folder: Path, resume: bool) -> None:  # noqa: FBT001
     """Run a study on a thread of its own, until its end or until it is cancelled."""
-    from ridedown.studies.execution import Progress, Stopped, run_plan  # noqa: PLC0415
+    from ridedown.studies.running.execution import Progress, Stopped, run_plan  # noqa: PLC0415
 
     def report(progress: Progress) -> None:
         running.before, running.done, running.failed = progress.before, progress.done, progress.failed

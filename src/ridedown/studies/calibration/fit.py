@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ridedown.criteria.rating import rating
 from ridedown.errors import InvalidInput
 from ridedown.scenario import Scenario, Source, lower
+from ridedown.studies.analysis.cma_es import Effort, runs
 from ridedown.studies.calibration.file import Calibration, Search, load_calibration
 from ridedown.studies.calibration.fitted import Calibrated, FittedChannel, FittedNumber, FittedParameter
 from ridedown.studies.calibration.identifiability import Candidate, confounded
@@ -22,7 +23,6 @@ from ridedown.studies.calibration.sampling import Samples
 from ridedown.studies.calibration.targets import ChannelTarget, NumberTarget
 from ridedown.studies.calibration.uncertainty import Block, Uncertainty, uncertainty
 from ridedown.studies.calibration.unknowns import Unknown, points_of, values_of
-from ridedown.studies.search import Effort, runs
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str, int, float], None]

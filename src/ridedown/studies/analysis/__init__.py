@@ -1,0 +1,1 @@
+"""Samples, rare events, sensitivity, optima, fronts, boxes: of any function of named columns, crashes or not."""

@@ -1,0 +1,1 @@
+"""The study file: scenarios, parameters, outcomes, limits, and the options of each kind."""

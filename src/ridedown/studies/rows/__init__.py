@@ -1,0 +1,1 @@
+"""Which rows a study has, and what is computed of each."""
