@@ -48,7 +48,7 @@ def test_run_writes_a_folder(tmp_path, name):
     result = invoke("run", name, "--out", str(out))
     assert result.exit_code == 0
     written = {path.name for path in out.iterdir()}
-    assert {"index.html", "channels.csv", "channels.parquet", "summary.json", "scenario.toml"} <= written
+    assert {"index.html", "channels.csv", "channels.parquet", "summary.json", "scenario.toml", "report.pdf"} <= written
     assert {"acceleration.svg", "velocity.svg", "energy.svg"} <= written
     assert load(out / "scenario.toml") == load(name)
     header = (out / "channels.csv").read_text().splitlines()[0]

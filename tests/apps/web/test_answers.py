@@ -107,7 +107,14 @@ def test_a_file_of_ones_own(server: Running) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "begins"), [("scenario", b'name = "p1"'), ("csv", b"time [s],"), ("isomme", b"PK"), ("report", b"<!doctype html")]
+    ("kind", "begins"),
+    [
+        ("scenario", b'name = "p1"'),
+        ("csv", b"time [s],"),
+        ("isomme", b"PK"),
+        ("report", b"<!doctype html"),
+        ("pdf", b"%pdf-1.7"),
+    ],
 )
 def test_exports(server: Running, kind: str, begins: bytes) -> None:
     answer = server.request("POST", f"/export/{kind}", json.dumps({"scenario": "p1", "values": {"adult.mass": 71.0}}))

@@ -295,7 +295,8 @@ def test_a_scenario_of_ones_own_and_a_hostile_one(watched: Watched, tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("name", "begins"), [("Scenario", "name ="), ("CSV", "time [s],"), ("ISO-MME", "PK"), ("HTML report", "<!doctype")]
+    ("name", "begins"),
+    [("Scenario", "name ="), ("CSV", "time [s],"), ("ISO-MME", "PK"), ("HTML report", "<!doctype"), ("PDF report", "%PDF-1.7")],
 )
 def test_files_are_saved(watched: Watched, name: str, begins: str) -> None:
     page = watched.open("#/crash?s=p1&v.adult.mass=66")

@@ -133,15 +133,18 @@ function Picker({ live, run, onPick }: { live: ViewProps["live"]; run: Run; onPi
   );
 }
 
-const EXPORTS: [string, string][] = [["scenario", "Scenario"], ["csv", "CSV"], ["isomme", "ISO-MME"], ["report", "HTML report"]];
+const EXPORTS: [string, string][] = [["scenario", "Scenario"], ["csv", "CSV"], ["isomme", "ISO-MME"], ["report", "HTML report"], ["pdf", "PDF report"]];
 
 function Actions({ run, pin, onPin, onReset }: { run: Run; pin: Run | null; onPin: () => void; onReset: () => void }) {
   const [trouble, setTrouble] = useState("");
+  const [making, setMaking] = useState("");
   const save = async (kind: string) => {
     setTrouble("");
-    const answer = await fetch(`export/${kind}`, { method: "POST", body: JSON.stringify(asked(run)) });
-    if (!answer.ok) {
-      setTrouble(((await answer.json().catch(() => null)) as { message?: string } | null)?.message ?? answer.statusText);
+    setMaking(kind);
+    const answer = await fetch(`export/${kind}`, { method: "POST", body: JSON.stringify(asked(run)) }).catch(() => null);
+    setMaking("");
+    if (!answer?.ok) {
+      setTrouble(!answer ? "The server does not answer." : ((await answer.json().catch(() => null)) as { message?: string } | null)?.message ?? answer.statusText);
       return;
     }
     const link = document.createElement("a");
@@ -156,7 +159,7 @@ function Actions({ run, pin, onPin, onReset }: { run: Run; pin: Run | null; onPi
       <button type="button" onClick={onReset} disabled={!Object.keys(run.values).length}>Reset all</button>
       <span class="spring" />
       <span class="quiet" id="save-as">Save as</span>
-      {EXPORTS.map(([kind, name]) => <button key={kind} type="button" aria-describedby="save-as" onClick={() => void save(kind)}>{name}</button>)}
+      {EXPORTS.map(([kind, name]) => <button key={kind} type="button" aria-describedby="save-as" aria-busy={making === kind} disabled={!!making} onClick={() => void save(kind)}>{name}</button>)}
       {trouble && <p class="refused" role="alert">{trouble}</p>}
     </div>
   );

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import AsyncIterator
-from concurrent.futures import Executor
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
-from ridedown.apps.web.exports import export
+from ridedown.apps.web.exports import DRAWN, export
 from ridedown.apps.web.guard import Guard
 from ridedown.apps.web.refusals import TooMuch, refusal
 from ridedown.apps.web.session import MOST_MESSAGE, Session
@@ -31,6 +30,7 @@ STATIC = Path(__file__).parent / "static"
 """The built front end."""
 
 _UPLOAD_SECONDS = 120.0
+_REPORTS = {"report.html": "text/html", "report.pdf": "application/pdf"}
 _FOREVER = "public, max-age=31536000, immutable"  # names of built files carry a hash of what is in them
 
 
@@ -52,7 +52,7 @@ def application(*, token: str | None = None, studies: Studies | None = None) -> 
         return await _answered(_upload(request, server))
 
     async def exported(request: Request) -> Response:
-        return await _answered(_export(request, server.slow))
+        return await _answered(_export(request, server))
 
     async def study(request: Request) -> Response:
         return await _answered(_study(request, server))
@@ -118,28 +118,31 @@ async def _upload(request: Request, server: Server) -> Response:
     return JSONResponse(await loop.run_in_executor(server.slow, server.uploads.add, content, name))
 
 
-async def _export(request: Request, pool: Executor) -> Response:
+async def _export(request: Request, server: Server) -> Response:
     try:
         message = json.loads(await _body(request, MOST_MESSAGE))
     except ValueError:
         message = None
     if not isinstance(message, dict):
         raise InvalidInput("request: got no JSON object; need one with scenario or toml, and values.")
-    made = await asyncio.get_running_loop().run_in_executor(pool, export, request.path_params["kind"], message)
+    kind = request.path_params["kind"]
+    if kind in DRAWN:
+        made = await server.draw(export, kind, message)
+    else:
+        made = await asyncio.get_running_loop().run_in_executor(server.slow, export, kind, message)
     headers = {"content-disposition": f'attachment; filename="{made.name}"'}
     return Response(made.content, media_type=made.media_type, headers=headers)
 
 
 async def _study(request: Request, server: Server) -> Response:
     name, what = request.path_params["name"], request.path_params["what"]
-    made = {
-        "results.parquet": (server.studies.results, "application/vnd.apache.parquet"),
-        "report.html": (server.studies.report, "text/html"),
-    }
-    if what not in made:
-        raise UnknownName.among("file", what[:50], made)
-    compute, media_type = made[what]
-    content = await asyncio.get_running_loop().run_in_executor(server.slow, compute, name)
+    if what == "results.parquet":
+        content = await asyncio.get_running_loop().run_in_executor(server.slow, server.studies.results, name)
+    elif what in _REPORTS:
+        content = await server.draw(server.studies.report, name, what)
+    else:
+        raise UnknownName.among("file", what[:50], ("results.parquet", *_REPORTS))
+    media_type = _REPORTS.get(what, "application/vnd.apache.parquet")
     headers = {"content-disposition": f'attachment; filename="{name}{Path(what).suffix}"'}
     return Response(content, media_type=media_type, headers=headers)
 

@@ -1,4 +1,4 @@
-"""The state of the page as files: scenario, channels, laboratory format, report."""
+"""The state of the page as files: scenario, channels, laboratory format, report as HTML and as PDF."""
 
 from __future__ import annotations
 
@@ -66,11 +66,21 @@ def _html(response: Response) -> bytes:
     return html(response, plots(response)).encode()
 
 
+def _pdf(response: Response) -> bytes:
+    from ridedown.report.figures import plots  # noqa: PLC0415
+    from ridedown.report.run import pdf  # noqa: PLC0415
+
+    return pdf(response, plots(response))
+
+
 _MAKERS: dict[str, tuple[str, str, Callable[[Response], bytes]]] = {
     "scenario": (".toml", "application/toml", _toml),
     "csv": (".csv", "text/csv", _written("channels.csv", Response.to_csv)),
     "isomme": (".mme.zip", "application/zip", _written("channels.zip", _isomme)),
     "report": (".html", "text/html", _html),
+    "pdf": (".pdf", "application/pdf", _pdf),
 }
 
 KINDS = tuple(_MAKERS)
+DRAWN = ("report", "pdf")
+"""Those with figures."""

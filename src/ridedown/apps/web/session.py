@@ -18,7 +18,7 @@ from ridedown.errors import InvalidInput
 
 Message = Mapping[str, Any]
 
-LANES = ("crash", "pin", "results", "pinned", "describe", "catalogue", "map", "paper", "test", "channels", "study")
+LANES = ("crash", "pin", "results", "pinned", "describe", "catalogue", "map", "paper", "test", "channels", "study", "figures")
 """A session computes one request of each lane at a time, and keeps one waiting."""
 
 MOST_MESSAGE = 512 * 1024
@@ -105,6 +105,7 @@ class Session:
             "test": (server.uploads.about, server.slow),
             "channels": (server.uploads.channels, server.slow),
             "study": (server.studies.answer, server.slow),
+            "figures": (server.studies.figures, server.drawing),
         }
         if kind not in jobs:
             raise InvalidInput(f"kind: got {kind[:50]!r}; need one of {', '.join(jobs)}.")

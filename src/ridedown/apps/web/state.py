@@ -4,23 +4,34 @@ from __future__ import annotations
 
 import asyncio
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, TypeVar
 
 from ridedown.apps.first_run import compile_side_by_side
+from ridedown.apps.web.refusals import TooMuch
 from ridedown.apps.web.studies import Studies
 from ridedown.apps.web.uploads import Uploads
 
 MOST_SESSIONS = 64
+MOST_DRAWINGS = 16
+"""Reports that are drawn or wait to be."""
+
+_Made = TypeVar("_Made")
 
 
 class Server:
-    """One running server. Curves have threads of their own, so that no map, upload or report keeps a slider waiting."""
+    """One running server. Curves have threads of their own, so that no map, upload or report keeps a slider waiting.
+
+    Figures and PDFs are made one after the other: a map does not wait for them, and what matplotlib is set to is one for all.
+    """
 
     def __init__(self, studies: Studies) -> None:
         cores = os.cpu_count() or 1
         self.quick = ThreadPoolExecutor(max(2, cores), thread_name_prefix="ridedown-quick")
         self.slow = ThreadPoolExecutor(max(2, cores), thread_name_prefix="ridedown-slow")
+        self.drawing = ThreadPoolExecutor(1, thread_name_prefix="ridedown-drawing")
+        self.drawings = 0
         self.uploads = Uploads()
         self.studies = studies
         self.sessions = 0
@@ -36,6 +47,16 @@ class Server:
         finally:
             self.ready.set()
 
+    async def draw(self, make: Callable[..., _Made], *given: object) -> _Made:
+        """What `make` makes of what is given, in its turn. Raises: TooMuch where too many wait already."""
+        if self.drawings >= MOST_DRAWINGS:
+            raise TooMuch(f"report: got one more than the {MOST_DRAWINGS} that wait to be drawn; need fewer. Ask again soon.")
+        self.drawings += 1
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self.drawing, make, *given)
+        finally:
+            self.drawings -= 1
+
     def state(self) -> dict[str, Any]:
         """Whether requests are answered yet."""
         return {"kind": "state", "state": "ready" if self.ready.is_set() else "compiling", "trouble": self.trouble}
@@ -43,7 +64,7 @@ class Server:
     def close(self) -> None:
         """Let go of the threads; what runs in them is not waited for."""
         self.studies.close()
-        for pool in (self.quick, self.slow):
+        for pool in (self.quick, self.slow, self.drawing):
             pool.shutdown(wait=False, cancel_futures=True)
 
 

@@ -9,15 +9,19 @@ import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ridedown import catalogue
 from ridedown.apps.web.refusals import TooMuch, refusal
 from ridedown.apps.web.requests import MOST_TEXT, refuse_files
+from ridedown.apps.web.results import table_of
 from ridedown.errors import InvalidInput, RidedownError, UnknownName
 from ridedown.scenario.reading import table_in
 from ridedown.studies import load_study
 from ridedown.studies.file.study import LoadedStudy
+
+if TYPE_CHECKING:
+    from ridedown.report.study import Page
 
 MOST_ROWS = 20_000_000
 """Of one study from the page: an hour or so."""
@@ -83,11 +87,44 @@ class Studies:
                 writer.write_table(pq.read_table(file))
         return bytes(sink.getvalue())
 
-    def report(self, name: str) -> bytes:
-        """The page of a study, as `ridedown study` writes it. Raises: InvalidInput, UnknownName."""
-        from ridedown.report.study import page_of  # noqa: PLC0415  draws, which takes a second to load
+    def report(self, name: str, file: str = "report.html") -> bytes:
+        """The page of a study, as `ridedown study` writes it, or the same as `report.pdf`.
 
-        return page_of(self._begun(name), self._own(name)).html().encode()
+        Raises: InvalidInput, UnknownName.
+        """
+        from ridedown.report.study_pdf import pdf  # noqa: PLC0415  draws, which takes a second to load
+
+        page = self._page(name)
+        return pdf(page) if file == "report.pdf" else page.html().encode()
+
+    def figures(self, message: Mapping[str, Any]) -> dict[str, Any]:
+        """The page of a study in parts, its figures as SVG. Raises: InvalidInput, UnknownName."""
+        page = self._page(str(message.get("study")))
+        return {
+            "kind": "figures",
+            "status": page.status,
+            "notes": list(page.notes),
+            "sections": [
+                {
+                    "title": section.title,
+                    "tables": [table_of(table) for table in section.tables if table.rows],
+                    "plots": [
+                        {"name": plot.name, "title": plot.title, "description": plot.description, "svg": plot.svg.decode()}
+                        for plot in section.plots
+                    ],
+                }
+                for section in page.sections
+            ],
+        }
+
+    def _page(self, name: str) -> Page:
+        """The page of a study of ours, drawn. Raises: InvalidInput, UnknownName."""
+        from ridedown.report.study import page_of  # noqa: PLC0415
+
+        loaded = self._begun(name)
+        if loaded.searches and self.summary(name)["results"] is None:
+            raise InvalidInput(f"study: got {name}, a search that has not ended; need its end to show figures. Resume it.")
+        return page_of(loaded, self._own(name))
 
     def summary(self, name: str) -> dict[str, Any]:
         """What a study comes to so far. Raises: InvalidInput, UnknownName."""
