@@ -19,6 +19,7 @@ from ridedown.scenario import (
     load,
     lower,
     parameters,
+    pulse_measured,
     substitute,
 )
 from ridedown.scenario.sled import KINDS
@@ -252,6 +253,20 @@ def test_a_file_is_read_once_until_it_changes(test_file, monkeypatch):
     test_file.write_text(test_file.read_text() + "\n")
     lower(scenario)
     assert len(reads) == 2
+
+
+def test_its_files_are_looked_at_a_few_times_for_a_table_of_crashes(test_file, monkeypatch):
+    looks = []
+
+    def counting(path):
+        looks.append(path)
+        return stamp(path)
+
+    stamp = pulse_measured._stamp
+    scenario = substitute(sled(measured(test_file), speed=12), {"adult.mass": 75.0})
+    monkeypatch.setattr(pulse_measured, "_stamp", counting)
+    lower(substitute(scenario, {"adult.restraint.stiffness": np.linspace(5e4, 6e4, 1000)}))
+    assert 1 <= len(looks) <= 4
 
 
 @pytest.mark.parametrize(
