@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from ridedown.scenario import load, substitute
-from ridedown.signals import TestRecord, TimeHistory
+from ridedown.signals import TestRecord, TimeHistory, filtered
 from ridedown.simulation import simulate
 
 BASE = load("paper-adult-full")
@@ -27,20 +29,58 @@ def restraint(rng: np.random.Generator) -> dict[str, float]:
     return {STIFFNESS: 10 ** rng.uniform(4.3, 5.2), SLACK: rng.uniform(0.005, 0.06), DAMPING: rng.uniform(0.05, 0.6)}
 
 
-def record(true: Mapping[str, float], noise: float, rng: np.random.Generator | None = None, base: Any = BASE) -> TestRecord:
-    """Acceleration [m/s2], excursion [m] and belt force [N] of the adult at 10 kHz, the acceleration with white noise."""
+Noise = Callable[[np.random.Generator], NDArray[np.float64]]
+"""Draws noise (n,) of deviation 1 at the times of a record."""
+
+_TIMES = np.arange(-500, 2001) * 1e-4
+_BEFORE = 20_000  # values for the noise to settle in
+
+
+def white(rng: np.random.Generator) -> NDArray[np.float64]:
+    """Noise in which no value knows of another."""
+    return rng.normal(0.0, 1.0, _TIMES.size)
+
+
+def through_a_class(frequency_class: float) -> Noise:
+    """White noise through a channel frequency class."""
+
+    def draw(rng: np.random.Generator) -> NDArray[np.float64]:
+        drawn = rng.normal(0.0, 1.0, _TIMES.size + 2 * _BEFORE)
+        smooth = filtered(TimeHistory(drawn, "", interval=1e-4), frequency_class).values[_BEFORE : _BEFORE + _TIMES.size]
+        return smooth / smooth.std()
+
+    return draw
+
+
+def lasting(time: float) -> Noise:
+    """Noise whose correlation falls by e in that time [s]."""
+    tied = np.exp(-1e-4 / time)
+
+    def draw(rng: np.random.Generator) -> NDArray[np.float64]:
+        drawn = rng.normal(0.0, np.sqrt(1.0 - tied**2), _TIMES.size + _BEFORE)
+        made: NDArray[np.float64] = lfilter([1.0], [1.0, -tied], drawn)[_BEFORE:]
+        return made
+
+    return draw
+
+
+def record(
+    true: Mapping[str, float],
+    noise: float,
+    rng: np.random.Generator | None = None,
+    base: Any = BASE,
+    kind: Noise = white,
+) -> TestRecord:
+    """Acceleration [m/s2], excursion [m] and belt force [N] of the adult at 10 kHz, the acceleration with noise of that
+    deviation.
+    """
     rng = np.random.default_rng(0) if rng is None else rng
     response = simulate(substitute(base, dict(true)))
-    times = np.arange(-500, 2001) * 1e-4
     curves = []
     for name in ("adult.acceleration", "adult.excursion", "adult.restraint.force"):
-        values = np.where(times < 0.0, 0.0, response.at(name, np.clip(times, 0.0, response.end_time)))
-        spread = noise if name == "adult.acceleration" else 1e-3 * np.abs(values).max()
-        curves.append(
-            TimeHistory(
-                values + rng.normal(0.0, spread, times.size), response.unit(name), start=-0.05, interval=1e-4, name=name
-            )
-        )
+        values = np.where(_TIMES < 0.0, 0.0, response.at(name, np.clip(_TIMES, 0.0, response.end_time)))
+        drawn = noise * kind(rng) if name == "adult.acceleration" else 1e-3 * np.abs(values).max() * white(rng)
+        curves.append(TimeHistory(values + drawn, response.unit(name), start=-0.05, interval=1e-4, name=name))
     return TestRecord.of(curves, identifier="synthetic")
 
 

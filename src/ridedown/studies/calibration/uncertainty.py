@@ -7,19 +7,25 @@ The estimator makes the squares of r = w (f(x) - y) least. To first order its co
 J the derivatives of r, S the covariance of r's noise. Of a measured number S is the variance that the file states. Of a
 channel it is estimated from what the fit leaves. Samples of a channel are never independent: the filter ties neighbours, and
 so does what the model cannot follow. So they are thinned to the spacing at which the filter alone would leave them
-independent, and taken for a first-order process, S_ij = s^2 phi^|i-j| with phi >= 0, whose s and phi are those of greatest
-restricted likelihood: this does not count what the parameters have taken out of the residuals as missing noise. With e = r
-less its best fit by J, both whitened by phi,
+independent, and taken for a first-order process, S_ij = s^2 phi^|i-j|. Its restricted likelihood does not count what the
+parameters have taken out of the residuals as missing noise. With e = r less its best fit by J, both whitened by phi,
 
-    -2 log L = (n - p) log s^2 + log |R| + log |J' R^-1 J|,    s^2 = e' R^-1 e / (n - p).
+    -2 log L(phi) = (n - p) log s^2 + log |R| + log |J' R^-1 J|,    s^2 = e' R^-1 e / (n - p).
 
-Bands are C's deviations times Student's t of N - p degrees of freedom, N = sum of n (1 - phi^2) / (1 + phi^2): the number of
-independent values.
+Some thirty samples do not tell phi: the best of all phi taken for the true one leaves bands of coloured noise too narrow, since
+the variance of what is fitted grows with phi faster and faster. So S is its mean over all phi, each weighted by its L: what is
+left when s is integrated out (evenly in log s) and phi is as likely anywhere between its ends, -0.9 and 0.98.
+
+Bands are C's deviations times Student's t of N - p degrees of freedom, N the mean of n (1 - phi^2) / (1 + phi^2), the number of
+values with a variance as well known.
 
 References:
     H. White, A heteroskedasticity-consistent covariance matrix estimator, Econometrica 48, 1980 (the sandwich).
     H. Patterson, R. Thompson, Recovery of inter-block information when block sizes are unequal, Biometrika 58, 1971
     (restricted likelihood).
+    D. Harville, Bayesian inference for variance components using only error contrasts, Biometrika 61, 1974 (restricted
+    likelihood as one that is integrated over the parameters); J. Berger, B. Liseo, R. Wolpert, Integrated likelihood methods
+    for eliminating nuisance parameters, Statistical Science 14, 1999 (over phi as well).
     G. Bayley, J. Hammersley, The "effective" number of independent observations in an autocorrelated time series, J. R. Stat.
     Soc. Suppl. 8, 1946 (N).
 """
@@ -41,7 +47,7 @@ _FEWEST = 3.0  # degrees of freedom that bands are given at least: fewer say not
 _BOX = 1.0 / 12.0  # variance of an even spread over the box
 _FLAT = 1e-10  # of the largest eigenvalue of A: directions below it leave the residuals as they are
 _UNKNOWN = 1e4  # variance given to those: a hundred boxes
-_STRONGEST = 0.98  # correlation of neighbours: more cannot be told from a constant
+_PHI = np.linspace(-0.9, 0.98, 64)  # of neighbours: beyond, noise cannot be told from a constant, or from a buzz
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,13 +61,20 @@ class Block:
     variance: float = 1.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Noise:
-    """A first-order process: standard deviation, correlation of neighbours, and how many independent values its n are worth."""
+    """What is known of noise (n,): its covariance (n,) by lag, how alike neighbours are, and how many independent values it is
+    worth; each the mean over first-order processes by their likelihood.
+    """
 
-    deviation: float
+    covariance: Floats
     phi: float
     independent: float
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation."""
+        return float(np.sqrt(self.covariance[0]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,44 +121,48 @@ def uncertainty(blocks: Sequence[Block], dimensions: int) -> Uncertainty:
             continue
         noise = noise_of(block.channel, block.slope)
         independent += noise.independent
-        lags: Floats = noise.deviation**2 * noise.phi ** np.arange(block.channel.size, dtype=np.float64)
-        meat = meat + block.slope.T @ _toeplitz_product(lags, block.slope)
+        meat = meat + block.slope.T @ _toeplitz_product(noise.covariance, block.slope)
     known = sum(len(block.slope) for block in blocks if block.channel is None)
     freedom = max(independent + known - dimensions, _FEWEST) if independent else np.inf
     return Uncertainty(_sandwich(bread, meat), _quantile(freedom), freedom)
 
 
 def noise_of(residuals: Floats, slope: Floats) -> Noise:
-    """The process of greatest restricted likelihood for residuals (n,) after a fit of parameters with these derivatives (n, p).
+    """The noise of residuals (n,) after a fit of parameters with these derivatives (n, p): first-order processes, each weighted
+    by its restricted likelihood.
 
     >>> rng = np.random.default_rng(0)
     >>> found = noise_of(2.0 * rng.standard_normal(1000), np.ones((1000, 1)))
-    >>> round(found.deviation, 1), round(found.phi, 1)
-    (2.0, 0.0)
+    >>> round(found.deviation, 1), abs(found.phi) < 0.05
+    (2.0, True)
     """
-    from scipy.optimize import minimize_scalar  # noqa: PLC0415  slow to import
-
     basis = _basis(slope)
     n, p = basis.shape
     if n <= p + 1 or not residuals.any():
-        return Noise(float(np.sqrt(np.mean(residuals**2))), 0.0, float(n))
+        white = np.zeros(n)
+        white[:1] = np.mean(residuals**2)
+        return Noise(white, 0.0, float(n))
+    variance, log_likelihood = _restricted(residuals, basis)
+    weight = np.exp(log_likelihood - log_likelihood.max())
+    weight /= weight.sum()
+    squares = _PHI**2
+    return Noise(
+        covariance=(weight * variance) @ _PHI[:, None] ** np.arange(n),
+        phi=float(weight @ _PHI),
+        independent=float(weight @ (n * (1.0 - squares) / (1.0 + squares))),
+    )
 
-    def variance_and_cost(phi: float) -> tuple[float, float]:
-        r, j = _whitened(residuals[:, None], phi), _whitened(basis, phi)
-        q, upper = np.linalg.qr(j)
-        left = r[:, 0] - q @ (q.T @ r[:, 0])
-        variance = float(left @ left) / (n - p)
-        determinant = (n - 1) * np.log1p(-(phi**2)) + 2.0 * np.log(np.abs(np.diag(upper))).sum()
-        return variance, (n - p) * np.log(max(variance, 1e-300)) + float(determinant)
 
-    # neighbours that shun each other are no noise of a sensor: what looks like it is chance, and would narrow the bands
-    grid = np.linspace(0.0, _STRONGEST, 21)
-    best = float(grid[np.argmin([variance_and_cost(phi)[1] for phi in grid])])
-    near = (max(best - 0.05, 0.0), min(best + 0.05, _STRONGEST))
-    phi = float(minimize_scalar(lambda x: variance_and_cost(x)[1], bounds=near, method="bounded").x)
-    variance, _ = variance_and_cost(phi)
-    tied = phi**2
-    return Noise(float(np.sqrt(variance)), phi, n * (1.0 - tied) / (1.0 + tied))
+def _restricted(residuals: Floats, basis: Floats) -> tuple[Floats, Floats]:
+    """Variance, and log of the restricted likelihood, for each of the correlations that are tried."""
+    n, p = basis.shape
+    columns = _whitened(np.column_stack([basis, residuals]))
+    # the last column's part that the others leave is the last of the triangle's diagonal
+    diagonal = np.abs(np.diagonal(np.linalg.qr(columns, mode="r"), axis1=1, axis2=2))
+    variance = np.maximum(diagonal[:, -1] ** 2 / (n - p), 1e-300)
+    determinants = (n - 1) * np.log1p(-(_PHI**2)) + 2.0 * np.log(diagonal[:, :-1]).sum(axis=1)
+    log_likelihood: Floats = -0.5 * ((n - p) * np.log(variance) + determinants)
+    return variance, log_likelihood
 
 
 def _basis(slope: Floats) -> Floats:
@@ -157,10 +174,11 @@ def _basis(slope: Floats) -> Floats:
     return kept
 
 
-def _whitened(columns: Floats, phi: float) -> Floats:
-    """Columns (n, k) with the correlation of a first-order process taken out."""
+def _whitened(columns: Floats) -> Floats:
+    """Columns (n, k) with the correlation of a first-order process taken out: (phi, n, k), for each phi that is tried."""
+    phi = _PHI[:, None, None]
     rest = (columns[1:] - phi * columns[:-1]) / np.sqrt(1.0 - phi**2)
-    return np.concatenate([columns[:1], rest])
+    return np.concatenate([np.broadcast_to(columns[:1], (_PHI.size, 1, columns.shape[1])), rest], axis=1)
 
 
 def _toeplitz_product(covariance: Floats, slope: Floats) -> Floats:
