@@ -15,6 +15,8 @@ export interface State {
   all: boolean; // every slider
   map: { x: string; y: string; outcome: string; limit: number | null };
   test: { test: string; channels: string[]; cfc: number | null };
+  study: string; // its name; none where a new one is made
+  kind: string; // of a new study
 }
 
 export const START: State = {
@@ -26,6 +28,8 @@ export const START: State = {
   all: false,
   map: { x: "", y: "", outcome: "", limit: null },
   test: { test: "", channels: [], cfc: 60 },
+  study: "",
+  kind: "sweep",
 };
 
 /** What a run is asked for by. */
@@ -44,6 +48,10 @@ export async function write(state: State): Promise<string> {
     const { x, y, outcome, limit } = state.map;
     for (const [key, value] of Object.entries({ x, y, outcome })) if (value) found.set(key, value);
     if (limit !== null) found.set("limit", String(limit));
+  }
+  if (state.view === "study") {
+    if (state.study) found.set("study", state.study);
+    else if (state.kind !== START.kind) found.set("kind", state.kind);
   }
   if (state.test.test) {
     found.set("test", state.test.test);
@@ -70,6 +78,8 @@ export async function read(hash: string): Promise<State> {
       channels: found.getAll("channel"),
       cfc: found.get("cfc") === "none" ? null : number("cfc") ?? 60,
     },
+    study: found.get("study") ?? "",
+    kind: found.get("kind") ?? START.kind,
   };
 }
 

@@ -305,20 +305,117 @@ def test_files_are_saved(watched: Watched, name: str, begins: str) -> None:
     assert Path(waiting.value.path()).read_bytes()[: len(begins)].decode("latin-1").lower() == begins.lower()
 
 
-def test_a_study_is_started_watched_and_downloaded(watched: Watched) -> None:
+STUDY_DONE = ".study-head [role=status]:has-text('; done')"
+FIGURES = {
+    "sweep": ["Outcomes against each other", "Maps"],
+    "sample": ["Distributions", "How often a limit is exceeded", "What the outcomes go with"],
+    "sensitivity": ["Sensitivities", "What the outcomes go with"],
+    "optimise": ["What was found", "Pareto front"],
+    "box": ["What was found"],
+    "bound": ["Limiting performance", "Numbers"],
+    "rare": ["What was found"],
+}
+"""Of each kind of study, some headings that its figures and tables are under."""
+
+
+def downloaded(page: Page, name: str) -> bytes:
+    with page.expect_download() as waiting:
+        page.get_by_role("link", name=name, exact=True).click()
+    return Path(waiting.value.path()).read_bytes()
+
+
+@pytest.mark.parametrize("kind", FIGURES)
+def test_every_kind_of_study_is_started_watched_seen_and_downloaded(watched: Watched, kind: str) -> None:
+    page = watched.open("#/study?s=sled-half-sine&v.adult.mass=70", wait=SHOWN["study"])
+    page.get_by_role("radio", name=re.compile(f"^{kind} ")).check()
+    page.wait_for_function("kind => document.querySelector('textarea').value.includes(`name = \"${kind}\"`)", arg=kind)
+    assert 'mass = "70 kg"' in page.locator("textarea").input_value()  # the crash as the other views have it
+    page.get_by_role("button", name="Start", exact=True).click()
+    page.wait_for_selector(STUDY_DONE, timeout=4 * SOON)
+    for heading in FIGURES[kind]:
+        page.wait_for_selector(f".study-part h3:has-text('{heading}')")
+    drawn = page.locator(".drawn img")
+    assert drawn.count() >= (0 if kind in {"box", "rare"} else 1)
+    assert drawn.evaluate_all("all => all.every((one) => one.complete && one.naturalWidth > 0 && one.alt.length > 40)")
+    assert page.locator(".study-part table tbody tr").count() >= 1
+    assert downloaded(page, "Download Parquet")[:4] == b"PAR1"
+    html = downloaded(page, "HTML report").decode()
+    assert html.count("data:image/svg") == drawn.count()
+    assert downloaded(page, "PDF report")[:8] == b"%PDF-1.7"
+    page.wait_for_timeout(300)
+    other = watched.open("#" + page.url.partition("#")[2], wait=".study-part table")  # the address has the study
+    assert other.locator(".study-part h3").all_inner_texts() == page.locator(".study-part h3").all_inner_texts()
+
+
+LONG_SWEEP = """kind = "sweep"
+name = "long"
+scenario = "p1"
+outcomes = ["adult.excursion.max", "adult.acceleration.peak"]
+parameters = [
+    { path = "adult.restraint.stiffness", grid = { start = "40 kN/m", stop = "120 kN/m", count = 400 } },
+    { path = "vehicle1.speed", grid = { start = "30 km/h", stop = "64 km/h", count = 500 } },
+]
+"""
+LONG_SEARCH = """kind = "optimise"
+name = "search"
+scenario = "p1"
+parameters = [
+    { path = "adult.restraint.stiffness", range = ["40 kN/m", "120 kN/m"] },
+    { path = "adult.restraint.slack", range = ["0 mm", "60 mm"] },
+]
+[optimise]
+candidates = 500
+generations = 60
+objectives = [{ outcome = "adult.acceleration.peak" }, { outcome = "adult.excursion.max" }]
+"""
+
+
+@pytest.mark.parametrize(("text", "stopped"), [(LONG_SWEEP, ".drawn img"), (LONG_SEARCH, "text=a search that has not ended")])
+def test_a_study_is_cancelled_and_resumed(watched: Watched, text: str, stopped: str) -> None:
+    page = watched.open("#/study?s=p1", wait=SHOWN["study"])
+    page.locator("textarea").fill(text)
+    page.get_by_role("button", name="Start", exact=True).click()
+    page.wait_for_selector("[aria-label='The study that runs'] :text('rows a second')")
+    page.get_by_role("button", name="New study").click()
+    page.wait_for_selector("text=Another study runs")
+    assert page.get_by_role("button", name="Start", exact=True).is_disabled()
+    page.locator(".kept button").first.click()
+    page.get_by_role("button", name="Cancel").click()
+    page.wait_for_selector("text=cancelled; what is done is kept")
+    assert "stopped" in page.locator(".kept button").first.inner_text()
+    page.wait_for_selector(stopped)  # of what there is, figures where they mean something
+    page.get_by_role("button", name="Resume").click()
+    page.wait_for_selector(STUDY_DONE, timeout=4 * SOON)
+    page.wait_for_selector(".drawn img")
+
+
+def test_a_study_that_cannot_be_is_said(watched: Watched) -> None:
     page = watched.open("#/study", wait=SHOWN["study"])
-    page.get_by_role("button", name="Start").click()
-    page.wait_for_selector("[aria-label='The study that runs'] :text('; done')")
-    page.wait_for_selector("td.number")
-    with page.expect_download() as waiting:
-        page.get_by_role("link", name="Download Parquet").first.click()
-    assert Path(waiting.value.path()).read_bytes()[:4] == b"PAR1"
-    with page.expect_download() as waiting:
-        page.get_by_role("link", name="Report").first.click()
-    assert b"<svg" in Path(waiting.value.path()).read_bytes() or b"data:image/svg" in Path(waiting.value.path()).read_bytes()
     page.locator("textarea").fill('kind = "sweep"\nscenario = "/etc/passwd"')
-    page.get_by_role("button", name="Start").click()
+    page.get_by_role("button", name="Start", exact=True).click()
     page.wait_for_selector(".study-new .refused")
+    page.get_by_role("button", name="As it was").click()
+    assert "example-offset" in page.locator("textarea").input_value()
+    gone = watched.open("#/study?study=nothing-123", wait=".refused")
+    assert "no study nothing-123" in gone.locator(".refused").inner_text()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_study_with_its_figures_is_accessible(watched: Watched, scheme: str) -> None:
+    from axe_playwright_python.sync_playwright import Axe  # noqa: PLC0415
+
+    with watched.server.socket() as socket:
+        text = socket.ask("study-file", lane="study-file", scenario="sled-half-sine", study="bound")["toml"]
+        name = socket.ask("study", lane="study", action="start", toml=text)["running"]["name"]
+        while not socket.ask("study", lane="study", action="list")["running"]["ended"]:
+            pass
+    page = watched.open(f"#/study?study={name}", wait=".drawn img", color_scheme=scheme)
+    found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]})
+    assert found.violations_count == 0, found.generate_report()
+    page.set_viewport_size(PHONE)
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    ground = page.locator(".drawn img").first.get_attribute("src") or ""
+    assert ("%23181f29" in ground) == (scheme == "dark")  # drawn on the card's own ground
 
 
 def test_it_goes_on_when_the_server_comes_back(browser: Browser) -> None:

@@ -9,6 +9,7 @@ import threading
 import time
 import zipfile
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ import pytest
 import uvicorn
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
-from ridedown.apps.web import answers, application, session, state
+from ridedown.apps.web import answers, application, exports, session, state
 from ridedown.apps.web.guard import HEADERS, is_loopback
 from ridedown.apps.web.studies import Studies
 from ridedown.apps.web.uploads import MOST_BYTES, MOST_TESTS
@@ -232,6 +233,8 @@ def test_uploads_are_forgotten_in_turn(measured: Path) -> None:
      '{"kind": "simulate", "scenario": "p1", "values": {"vehicle1.mass": 1e999}}',
      '{"kind": "map", "scenario": "p1", "side": 100000}', '{"kind": "channels", "test": "x", "channels": []}',
      '{"kind": "study", "action": "start"}', '{"kind": "map", "scenario": "p1", "x": ["a"], "y": {}, "outcome": []}',
+     '{"kind": "figures", "study": ["x"]}', '{"kind": "study-file", "study": "sweep"}',
+     '{"kind": "study-file", "study": "sweep", "toml": "[pulse]\\nkind = \\"measured\\"\\nfile = \\"/etc/passwd\\""}',
      '{"kind": "study", "action": ["start"]}', '{"kind": "test", "test": ["x"]}', '{"kind": "describe", "toml": ["x"]}'],
 )  # fmt: skip
 def test_what_is_no_request(server: Running, text: str) -> None:
@@ -279,6 +282,28 @@ def test_a_request_that_crashes_ends_nothing(monkeypatch: pytest.MonkeyPatch) ->
         assert told["status"] == 500
         assert "secret" not in told["message"]
         assert socket.ask("simulate", scenario="p1")["completed"]
+
+
+def test_no_more_reports_than_can_be_drawn_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slow(kind: str, _message: Any) -> exports.Export:
+        begun.set()
+        assert go_on.wait(WAIT)
+        return exports.Export(f"made.{kind}", "text/plain", b"made")
+
+    monkeypatch.setattr(state, "MOST_DRAWINGS", 1)
+    monkeypatch.setattr(application, "export", slow)
+    body = json.dumps({"scenario": "p1"})
+    with in_this_process() as server, server.socket() as socket, ThreadPoolExecutor(1) as pool:
+        first = pool.submit(server.request, "POST", "/export/pdf", body)
+        assert begun.wait(WAIT)
+        assert server.request("POST", "/export/report", body).status == 413
+        assert socket.ask("simulate", scenario="p1")["completed"]  # nobody else waits for it
+        assert server.request("GET", "/state").status == 200
+        go_on.set()
+        assert first.result(WAIT).content == b"made"
+        assert server.request("POST", "/export/pdf", body).status == 200
 
 
 def test_no_more_sessions_than_the_server_can_carry(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -338,7 +363,7 @@ def test_a_study_runs_in_a_folder_of_its_own(tmp_path: Path) -> None:
     assert standing["running"]["trouble"] == ""
     [kept] = standing["studies"]
     assert kept["complete"]
-    assert kept["outcomes"]["adult.excursion.max"]["max"] > 0.1
+    assert studies.summary(kept["name"])["outcomes"]["adult.excursion.max"]["max"] > 0.1
     assert studies.results(kept["name"])[:4] == b"PAR1"
     assert studies.report(kept["name"]).lower().startswith(b"<!doctype html")
     assert [path.name for path in tmp_path.iterdir()] == ["kept"]
@@ -355,6 +380,8 @@ def test_a_study_cannot_be_another_folder(tmp_path: Path, name: str) -> None:
     for ask in (
         studies.results,
         studies.report,
+        lambda name: studies.report(name, "report.pdf"),
+        lambda name: studies.figures({"study": name}),
         studies.summary,
         lambda name: studies.answer({"action": "resume", "study": name}),
     ):

@@ -11,7 +11,7 @@ export const DataTable = memo(function DataTable({ table }: { table: Table }) {
       <table>
         <caption>{table.caption}</caption>
         <thead>
-          <tr>{table.columns.map((one, i) => <th key={i} scope="col" class={one.numeric ? "number" : ""}>{one.title}{one.unit && <span class="quiet"> {one.unit}</span>}</th>)}</tr>
+          <tr>{table.columns.map((one, i) => <th key={i} scope="col" class={one.numeric ? "number" : ""}>{breaking(one.title)}{one.unit && <span class="quiet"> {one.unit}</span>}</th>)}</tr>
         </thead>
         <tbody>
           {table.rows.map((row, i) => (
@@ -26,6 +26,11 @@ export const DataTable = memo(function DataTable({ table }: { table: Table }) {
     </div>
   );
 });
+
+/** Names with dots may go on in the next line behind each. */
+function breaking(title: string) {
+  return title.split(".").flatMap((part, i) => (i ? [".", <wbr key={i} />, part] : [part]));
+}
 
 const MARK = { "passed": "✓", "failed": "✗", "no verdict": "–" };
 

@@ -14,11 +14,26 @@ from ridedown.apps.web import answers
 from ridedown.apps.web.frames import encode
 from ridedown.apps.web.refusals import refusal
 from ridedown.apps.web.state import Server
+from ridedown.apps.web.study_files import study_file
 from ridedown.errors import InvalidInput
 
 Message = Mapping[str, Any]
 
-LANES = ("crash", "pin", "results", "pinned", "describe", "catalogue", "map", "paper", "test", "channels", "study", "figures")
+LANES = (
+    "crash",
+    "pin",
+    "results",
+    "pinned",
+    "describe",
+    "catalogue",
+    "map",
+    "paper",
+    "test",
+    "channels",
+    "study",
+    "figures",
+    "study-file",
+)
 """A session computes one request of each lane at a time, and keeps one waiting."""
 
 MOST_MESSAGE = 512 * 1024
@@ -105,6 +120,7 @@ class Session:
             "test": (server.uploads.about, server.slow),
             "channels": (server.uploads.channels, server.slow),
             "study": (server.studies.answer, server.slow),
+            "study-file": (study_file, server.quick),
             "figures": (server.studies.figures, server.drawing),
         }
         if kind not in jobs:

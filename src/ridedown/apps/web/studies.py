@@ -7,6 +7,7 @@ import re
 import secrets
 import threading
 import time
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from ridedown import catalogue
 from ridedown.apps.web.refusals import TooMuch, refusal
 from ridedown.apps.web.requests import MOST_TEXT, refuse_files
 from ridedown.apps.web.results import table_of
+from ridedown.apps.web.study_files import KINDS
 from ridedown.errors import InvalidInput, RidedownError, UnknownName
 from ridedown.scenario.reading import table_in
 from ridedown.studies import load_study
@@ -53,6 +55,7 @@ class Studies:
         self.folder = folder
         self._running: _Running | None = None
         self._lock = threading.Lock()
+        self._told_before: dict[str, tuple[tuple[int, ...], dict[str, Any]]] = {}
 
     def answer(self, message: Mapping[str, Any]) -> dict[str, Any]:
         """List, start, cancel or resume; the answer is how all studies stand.
@@ -172,6 +175,15 @@ class Studies:
 
     # where they are
 
+    def _sums(self, name: str) -> dict[str, Any]:
+        """What there is to say of a study before its figures are: of one that has ended, whose figures say all, the least."""
+        from ridedown.studies.results.store import read_manifest, read_results  # noqa: PLC0415
+
+        if read_results(self._own(name)) is None:
+            return {key: value for key, value in self.summary(name).items() if key != "results"}
+        rows = read_manifest(self._own(name))["rows"]
+        return {"rows": rows, "done": rows, "complete": True, "outcomes": {}, "failed": []}
+
     def _writable(self) -> Path:
         if self.folder is None:
             raise InvalidInput("study: got no folder to keep results in; need one. Start `ridedown serve --studies DIR`.")
@@ -205,21 +217,31 @@ class Studies:
         return {
             "kind": "studies",
             "possible": self.folder is not None,
+            "kinds": dict(KINDS),
             "running": shown,
             "studies": [self._told(name) for name in self._names()],
         }
 
     def _told(self, name: str) -> dict[str, Any]:
+        """How a study stands; of one that does not run it is looked up once."""
+        folder = self._writable() / name
+        files = [folder / _TEXT, folder / "manifest.json", folder / "results.json", folder / "chunks"]
+        stamp = tuple(file.stat().st_mtime_ns if file.exists() else 0 for file in files)
+        known = self._told_before.get(name)
+        if known is not None and known[0] == stamp:
+            return known[1]
+        about = {"name": name, "kind": _kind(folder / _TEXT), "began": stamp[0] / 1e9}
         try:
-            found = self.summary(name)
+            told = {**about, "why": "", **self._sums(name)}
         except (RidedownError, OSError) as error:
-            return {"name": name, "rows": None, "done": 0, "complete": False, "outcomes": {}, "failed": [], "why": str(error)}
-        return {"name": name, "why": "", **found}
+            told = {**about, "rows": None, "done": 0, "complete": False, "outcomes": {}, "failed": [], "why": str(error)}
+        self._told_before[name] = stamp, told
+        return told
 
 
 def _run(running: _Running, loaded: LoadedStudy, plan: Any, folder: Path, resume: bool) -> None:  # noqa: FBT001
     """Run a study on a thread of its own, until its end or until it is cancelled."""
-    from ridedown.studies.running.execution import Progress, Stopped, run_plan  # noqa: PLC0415
+    from ridedown.studies.running.execution import Progress, run_plan  # noqa: PLC0415
 
     def report(progress: Progress) -> None:
         running.before, running.done, running.failed = progress.before, progress.done, progress.failed
@@ -228,12 +250,24 @@ def _run(running: _Running, loaded: LoadedStudy, plan: Any, folder: Path, resume
 
     try:
         run_plan(loaded, plan, folder, resume=resume, threads=1, report=report)
-    except Stopped:
+        running.cancelled = False  # too late: it is done
+    except KeyboardInterrupt:  # `Stopped`, or before the first row
         running.cancelled = True
     except BaseException as error:  # it ends the study, not the server
         running.trouble = refusal(error)["message"] if isinstance(error, Exception) else type(error).__name__
     finally:
         running.ended = True
+
+
+def _kind(file: Path) -> str:
+    """What kind of study a file is, as the page calls it; empty for what is no study."""
+    try:
+        data = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return ""
+    sample = data.get("sample")
+    rare = isinstance(sample, Mapping) and sample.get("rare") is True
+    return "rare" if rare else str(data.get("kind", ""))[:20]
 
 
 def _loaded(text: str) -> LoadedStudy:
