@@ -55,6 +55,41 @@ def most_and_total(both: Both, twice: bool) -> tuple[float, float]:
 @kernel
 def wrongly_called(values: Floats) -> float:
     return total(values, values)
+
+
+@kernel
+def calls_wrongly(values: Floats) -> float:
+    return wrongly_called(values)
+
+
+class Kinds(NamedTuple):
+    whole: int
+    real: float
+    truth: bool
+
+
+@kernel
+def every_kind(
+    values: Floats,
+    counts: NDArray[np.int64],
+    table: np.ndarray[tuple[int, int], np.dtype[np.float64]],
+    cube: np.ndarray[tuple[int, int, int], np.dtype[np.float64]],
+    whole: int,
+    real: float,
+    truth: bool,
+) -> Kinds:
+    for i in range(table.shape[0]):
+        for j in range(table.shape[1]):
+            table[i, j] = 10 * i + j
+            for k in range(cube.shape[2]):
+                cube[i, j, k] = 100 * i + 10 * j + k
+    counts[0] = values.size
+    return Kinds(whole + counts[0], real + values[1], not truth)
+
+
+@kernel
+def nothing(values: Floats) -> None:
+    values[0] = 7.0
 """
 
 CALL = """
@@ -68,10 +103,10 @@ from ridedown.apps import first_run
 from ridedown.compiled import unkept
 import small.kernels
 if __name__ == "__main__":
-    missing = [name for name in unkept("small.") if "wrongly" not in name]
+    missing = [name for name in unkept("small.") if "total" in name]
     first_run._processors = lambda: 2
     first_run.compile_side_by_side(missing)
-    assert [name for name in unkept("small.") if "wrongly" not in name] == []
+    assert [name for name in unkept("small.") if "total" in name] == []
 """
 
 
@@ -107,8 +142,8 @@ def run(folder: Path, code: str, cache: Path | None = None) -> str:
 def kept(folder: Path) -> dict[str, list[float]]:
     """When each kernel was compiled."""
     times: dict[str, list[float]] = {}
-    for path in (folder / "cache").rglob("*.nbc"):
-        times.setdefault(path.name.split("-")[0], []).append(path.stat().st_mtime_ns)
+    for path in (folder / "cache").rglob("*.code"):
+        times.setdefault(path.stem, []).append(path.stat().st_mtime_ns)
     return times
 
 
@@ -152,9 +187,9 @@ def test_works_where_nothing_can_be_kept(small):
     (small / "file").touch()
     said = """
 from ridedown.compiled import can_be_kept, unkept
-print(can_be_kept("small.kernels:total"), len(unkept("small.")))
+print(can_be_kept("small.kernels:total"), len(unkept("small.")) > 2)
 """
-    assert run(small, CALL + said, cache=small / "file") == "False 3\n"
+    assert run(small, CALL + said, cache=small / "file") == "False True\n"
 
 
 def test_a_call_with_other_types_than_declared_is_refused(small):
@@ -170,13 +205,96 @@ except TypingError as error:
     assert "small.kernels:total takes" in run(small, code)
 
 
-def test_a_kernel_built_alone_cannot_be_called_before_what_it_calls_is_ready(small):
+def test_a_refusal_while_compiling_what_a_kernel_calls_is_raised_where_python_called(small):
     code = """
-from ridedown.compiled import build
-build("small.kernels:most_and_total")
+import numpy as np
+from numba import TypingError
+from small.kernels import calls_wrongly
+for _ in range(2):
+    try:
+        calls_wrongly(np.zeros(3))
+    except TypingError as error:
+        print(error)
+"""
+    assert run(small, code).count("small.kernels:total takes") == 2
+
+
+def test_a_kernel_built_alone_finds_what_it_calls(small):
+    run(small, 'from ridedown.compiled import build\nbuild("small.kernels:most_and_total")')
+    assert sorted(kept(small)) == ["kernels.most_and_total"]
+    run(small, CALL)
+    assert sorted(kept(small)) == ["kernels.most_and_total", "kernels.total"]
+
+
+def test_what_is_kept_is_loaded_without_numba(small):
+    said = "import sys; print('numba' in sys.modules)"
+    assert run(small, f"{CALL}\n{said}") == "True\n"
+    assert run(small, f"{CALL}\n{said}") == "False\n"
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda content: content[:-100], lambda content: content[:0], lambda content: content[:99] + b"!" * 9]
+)
+def test_what_is_damaged_is_compiled_again(small, damage):
+    run(small, CALL)
+    (path,) = (small / "cache").rglob("kernels.total.code")
+    whole = path.read_bytes()
+    path.write_bytes(damage(whole))
+    run(small, CALL)
+    assert len(path.read_bytes()) == len(whole)
+
+
+def test_threads_that_call_at_once_share_what_is_made_ready(small):
+    code = """
+import numpy as np
+from concurrent.futures import ThreadPoolExecutor
+from small.kernels import Both, most_and_total
+with ThreadPoolExecutor(4) as pool:
+    print(set(pool.map(lambda n: most_and_total(Both(np.arange(3.0), 1), True), range(40))))
+"""
+    assert run(small, code) == "{(2.0, 12.0)}\n"
+
+
+def test_every_kind_of_value_is_passed_and_returned(small):
+    code = """
+import numpy as np
+from small.kernels import every_kind, nothing
+counts, table, cube = np.zeros(1, dtype=np.int64), np.zeros((2, 3)), np.zeros((2, 3, 4))
+print(every_kind(np.array([0.5, 0.25]), counts, table, cube, -3, 1.5, False))
+print(counts.tolist(), table.tolist(), (cube == np.fromfunction(lambda i, j, k: 100 * i + 10 * j + k, cube.shape)).all())
+values = np.zeros(1)
+print(nothing(values), values.tolist())
+print(every_kind(np.zeros(2), counts, np.zeros((0, 3)), cube, np.int64(4), 2, np.True_))
+"""
+    assert run(small, code).splitlines() == [
+        "Kinds(whole=-1, real=1.75, truth=True)",
+        "[2] [[0.0, 1.0, 2.0], [10.0, 11.0, 12.0]] True",
+        "None [7.0]",
+        "Kinds(whole=6, real=2.0, truth=False)",
+    ]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "np.zeros(3, dtype=np.int64), 0",  # other elements
+        "np.zeros(3, dtype='>f8'), 0",
+        "np.zeros((3, 1)), 0",  # other dimensions
+        "np.zeros(6)[::2], 0",  # not side by side
+        "np.broadcast_to(1.0, 3), 0",  # not to be written
+        "[1.0], 0",
+        "np.zeros(3), 0.5",
+        "np.zeros(3)",
+        "np.zeros(3), 0, 0",
+    ],
+)
+def test_other_arguments_than_declared_are_refused(small, arguments):
+    code = f"""
+import numpy as np
+from small.kernels import total
 try:
-    exec(CALL)
-except RuntimeError as error:
+    total({arguments})
+except TypeError as error:
     print(error)
 """
-    assert run(small, f"CALL = {CALL!r}\n{code}") == "small.kernels:total was not made ready\n"
+    assert run(small, code).startswith("small.kernels:total takes values (float64, 1 dimensions), first (int64): ")

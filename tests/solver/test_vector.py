@@ -8,6 +8,7 @@ import numba
 import numpy as np
 import pytest
 
+import ridedown.solver.vector_instructions  # noqa: F401 - teaches numba what vectors are
 from ridedown.solver.vector import (
     ALL_LANES,
     WIDTH,

@@ -10,245 +10,57 @@ Compiled code only; in arithmetic, plain numbers stand for eight equal ones.
 
 from __future__ import annotations
 
-import operator
 from typing import Any
 
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, register_model
+from ridedown.compiled import instructions
 
-_intrinsic: Any = intrinsic  # numba types what it makes by its Python signature, which is another
+instructions("ridedown.solver.vector_instructions")
 
 WIDTH = 8
 ALL_LANES = (1 << WIDTH) - 1
 """Every bit of `lanes_of` set."""
 
-_DOUBLES = ir.VectorType(ir.DoubleType(), WIDTH)
-_WHOLE = ir.VectorType(ir.IntType(64), WIDTH)
-_BOOLS = ir.VectorType(ir.IntType(1), WIDTH)
 
-
-class _Vector(types.Type):
-    """Eight numbers."""
-
-    def __init__(self) -> None:
-        super().__init__(name="vector")
-
-
-class _Mask(types.Type):
-    """Eight truths."""
-
-    def __init__(self) -> None:
-        super().__init__(name="mask")
-
-
-_vector, _mask = _Vector(), _Mask()
-_number = (types.Float, types.Integer)
-
-
-@register_model(_Vector)
-class _VectorModel(models.PrimitiveModel):
-    def __init__(self, dmm: Any, fe_type: Any) -> None:
-        super().__init__(dmm, fe_type, _DOUBLES)
-
-
-@register_model(_Mask)
-class _MaskModel(models.PrimitiveModel):
-    def __init__(self, dmm: Any, fe_type: Any) -> None:
-        super().__init__(dmm, fe_type, _BOOLS)
-
-
-def _spread(builder: Any, value: Any) -> Any:
-    """One number as eight."""
-    first = builder.insert_element(ir.Constant(_DOUBLES, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
-    return builder.shuffle_vector(first, first, ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH))
-
-
-def _call(builder: Any, name: str, value: Any) -> Any:
-    function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(_DOUBLES, [_DOUBLES]), name)
-    return builder.call(function, [value])
-
-
-def _as_vector(context: Any, builder: Any, value: Any, kind: Any) -> Any:
-    if isinstance(kind, _Vector):
-        return value
-    return _spread(builder, context.cast(builder, value, kind, types.float64))
-
-
-def _define(functions: tuple[Any, ...], result: Any, emit: Any) -> None:
-    """Give operators of two vectors, or of a vector and a number, their type and their instructions."""
-
-    def generic(self: Any, args: Any, kws: Any) -> Any:  # noqa: ARG001
-        known = len(args) == 2 and all(isinstance(a, (_Vector, *_number)) for a in args)
-        return signature(result, *args) if known and any(isinstance(a, _Vector) for a in args) else None
-
-    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        a, b = (_as_vector(context, builder, value, kind) for value, kind in zip(args, sig.args, strict=True))
-        return emit(builder, a, b)
-
-    for function in functions:
-        infer_global(function)(type("_Template", (AbstractTemplate,), {"generic": generic}))
-        for pair in ((_Vector, _Vector), *((_Vector, n) for n in _number), *((n, _Vector) for n in _number)):
-            lower_builtin(function, *pair)(lower)
-
-
-def _compare(sign: str) -> Any:
-    return lambda builder, a, b: builder.fcmp_ordered(sign, a, b)
-
-
-_define((operator.add, operator.iadd), _vector, lambda builder, a, b: builder.fadd(a, b))
-_define((operator.sub, operator.isub), _vector, lambda builder, a, b: builder.fsub(a, b))
-_define((operator.mul, operator.imul), _vector, lambda builder, a, b: builder.fmul(a, b))
-_define((operator.truediv,), _vector, lambda builder, a, b: builder.fdiv(a, b))
-# as for plain numbers, what is no number stays so where it comes first
-_define((min,), _vector, lambda builder, a, b: builder.select(builder.fcmp_ordered("<", b, a), b, a))
-_define((max,), _vector, lambda builder, a, b: builder.select(builder.fcmp_ordered(">", b, a), b, a))
-for _function, _sign in ((operator.lt, "<"), (operator.le, "<="), (operator.gt, ">"), (operator.ge, ">="), (operator.eq, "==")):
-    _define((_function,), _mask, _compare(_sign))
-
-
-def _define_logic(functions: tuple[Any, ...], emit: Any) -> None:
-    def generic(self: Any, args: Any, kws: Any) -> Any:  # noqa: ARG001
-        return signature(_mask, *args) if len(args) == 2 and all(isinstance(a, _Mask) for a in args) else None
-
-    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-        return emit(builder, *args)
-
-    for function in functions:
-        infer_global(function)(type("_Template", (AbstractTemplate,), {"generic": generic}))
-        lower_builtin(function, _Mask, _Mask)(lower)
-
-
-_define_logic((operator.and_, operator.iand), lambda builder, a, b: builder.and_(a, b))
-_define_logic((operator.or_, operator.ior), lambda builder, a, b: builder.or_(a, b))
-
-
-@infer_global(abs)
-class _Abs(AbstractTemplate):
-    def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
-        return signature(_vector, *args) if len(args) == 1 and isinstance(args[0], _Vector) else None
-
-
-@lower_builtin(abs, _Vector)
-def _lower_abs(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-    return _call(builder, "llvm.fabs.v8f64", args[0])
-
-
-@infer_global(operator.neg)
-class _Neg(AbstractTemplate):
-    def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
-        return signature(_vector, *args) if len(args) == 1 and isinstance(args[0], _Vector) else None
-
-
-@lower_builtin(operator.neg, _Vector)
-def _lower_neg(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-    return builder.fneg(args[0])
-
-
-def _address(context: Any, builder: Any, kind: Any, array: Any, index: Any) -> Any:
-    data = context.make_array(kind)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [index]), _DOUBLES.as_pointer())
-
-
-@_intrinsic
-def load(typingctx, array, index):  # noqa: ARG001
+def load(array: Any, index: Any) -> Any:
     """Eight numbers of a flat array, from `index` on."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.load(_address(context, builder, sig.args[0], *args), align=8)
-
-    return _vector(array, index), codegen
+    raise NotImplementedError
 
 
-@_intrinsic
-def store(typingctx, array, index, value):  # noqa: ARG001
+def store(array: Any, index: Any, value: Any) -> Any:
     """Put eight numbers into a flat array, from `index` on."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        value = _as_vector(context, builder, args[2], sig.args[2])
-        builder.store(value, _address(context, builder, sig.args[0], *args[:2]), align=8)
-        return context.get_dummy_value()
-
-    return types.void(array, index, value), codegen
+    raise NotImplementedError
 
 
-@_intrinsic
-def spread(typingctx, number):  # noqa: ARG001
+def spread(number: Any) -> Any:
     """Eight times the same number."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return _as_vector(context, builder, args[0], sig.args[0])
-
-    return _vector(number), codegen
+    raise NotImplementedError
 
 
-@_intrinsic
-def where(typingctx, mask, yes, no):  # noqa: ARG001
+def where(mask: Any, yes: Any, no: Any) -> Any:
     """`yes` where the mask is true, `no` where it is not."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        yes, no = (_as_vector(context, builder, value, kind) for value, kind in zip(args[1:], sig.args[1:], strict=True))
-        return builder.select(args[0], yes, no)
-
-    return _vector(mask, yes, no), codegen
+    raise NotImplementedError
 
 
-@_intrinsic
-def lanes_of(typingctx, mask):  # noqa: ARG001
+def lanes_of(mask: Any) -> Any:
     """The mask as a whole number: bit n is lane n. Zero is none; see `first_lane`."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-        return builder.zext(builder.bitcast(args[0], ir.IntType(WIDTH)), ir.IntType(64))
-
-    return types.int64(mask), codegen
+    raise NotImplementedError
 
 
-@_intrinsic
-def first_lane(typingctx, bits):  # noqa: ARG001
+def first_lane(bits: Any) -> Any:
     """Number of the first lane that is set; `bits &= bits - 1` goes on to the next."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-        return builder.cttz(args[0], ir.Constant(ir.IntType(1), 1))
-
-    return types.int64(bits), codegen
+    raise NotImplementedError
 
 
-@_intrinsic
-def binary_exponent(typingctx, value):  # noqa: ARG001
+def binary_exponent(value: Any) -> Any:
     """The exponent of two of each (positive, normal) number, and what it is times that, in [1, 2)."""
-    pair = types.UniTuple(_vector, 2)
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        bits = builder.bitcast(args[0], _WHOLE)
-        exponent = builder.sub(builder.lshr(bits, _whole(52)), _whole(1023))
-        fraction = builder.or_(builder.and_(bits, _whole((1 << 52) - 1)), _whole(1023 << 52))
-        parts = [builder.sitofp(exponent, _DOUBLES), builder.bitcast(fraction, _DOUBLES)]
-        return context.make_tuple(builder, sig.return_type, parts)
-
-    return pair(value), codegen
+    raise NotImplementedError
 
 
-@_intrinsic
-def power_of_two(typingctx, exponent):  # noqa: ARG001
+def power_of_two(exponent: Any) -> Any:
     """Two to a whole power, -1022 to 1023."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-        whole = builder.add(builder.fptosi(args[0], _WHOLE), _whole(1023))
-        return builder.bitcast(builder.shl(whole, _whole(52)), _DOUBLES)
-
-    return _vector(exponent), codegen
+    raise NotImplementedError
 
 
-@_intrinsic
-def floor(typingctx, value):  # noqa: ARG001
+def floor(value: Any) -> Any:
     """The whole number below each."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-        return _call(builder, "llvm.floor.v8f64", args[0])
-
-    return _vector(value), codegen
-
-
-def _whole(number: int) -> Any:
-    return ir.Constant(_WHOLE, [number] * WIDTH)
+    raise NotImplementedError
