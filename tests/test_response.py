@@ -284,3 +284,18 @@ def test_time_to_rest() -> None:
     quarter = 0.5 * math.pi / math.sqrt(600e3 / 1500.0)
     assert response.time_to_rest("vehicle1") == pytest.approx(quarter, rel=1e-10)
     assert simulate(load("marzbanrad-2")).time_to_rest("vehicle") is None
+
+
+@pytest.mark.parametrize("name", ["p1", "example-offset", "example-restraints", "sled-fmvss-208", "marzbanrad-2"])
+def test_many_channels_at_once_are_what_each_is_alone(name: str) -> None:
+    """To round-off: 1e-12 of the channel's largest value."""
+    response = simulate(load(name))
+    times = np.concatenate((response.drawing_times(), [0.1, 0.05, 0.0]))  # in any order
+    together = response.sampled(response.channels, times)
+    assert together.shape == (len(response.channels), times.size)
+    for channel, values in zip(response.channels, together, strict=True):
+        alone = response.at(channel, times)
+        np.testing.assert_allclose(values, alone, rtol=0.0, atol=1e-12 * max(np.abs(alone).max(), 1e-300), err_msg=channel)
+    assert response.sampled([], times).shape == (0, times.size)
+    with pytest.raises(UnknownName, match=r"vehicle1\.velocity|velocity"):
+        response.sampled(["vehicle1.velocty"], times)

@@ -31,23 +31,23 @@ def events_of(network: Network, phases: Phases, *, belts: Collection[str] = ()) 
     slack. What a timer does is an event of its own.
     """
     changes: list[_Change] = []
-    for time, e, before, after in zip(
-        phases.event_time, phases.event_element, phases.event_before, phases.event_after, strict=True
-    ):
-        same = None if before == _TIMER else _same_instant(changes, float(time), int(e))
+    logged = (phases.event_time, phases.event_element, phases.event_before, phases.event_after)
+    for time, e, before, after in zip(*(column.tolist() for column in logged), strict=True):
+        same = None if before == _TIMER else _same_instant(changes, time, e)
         if same is None:
-            changes.append(_Change(float(time), int(e), [int(before), int(after)]))
+            changes.append(_Change(time, e, [before, after]))
         else:
-            same.modes.append(int(after))
+            same.modes.append(after)
     found = []
+    law = [Law(number) for number in network.law.tolist()]
     for time, e, modes in changes:
         name, before, after = network.elements[e], modes[0], modes[-1]
         if before == _TIMER:
             what = timer_event(network, after)
-        elif network.law[e] == Law.RESTRAINT:
+        elif law[e] is Law.RESTRAINT:
             what = mode_event(network, phases, e, time, modes, belt=name in belts)
         else:
-            what = _what(network, e, before, after) if before != after else ""
+            what = _what(network, law[e], e, before, after) if before != after else ""
         if what:
             found.append(Event(time, name, what))
     return tuple(found)
@@ -71,15 +71,14 @@ def _same_instant(changes: list[_Change], time: float, element: int) -> _Change 
     return None
 
 
-def _what(network: Network, e: int, before: int, after: int) -> str:
-    law = network.law[e]
-    if law in {Law.ELASTIC, Law.PLASTIC}:
+def _what(network: Network, law: Law, e: int, before: int, after: int) -> str:
+    if law is Law.ELASTIC or law is Law.PLASTIC:
         return _curve_event(int(network.piece_start[e + 1] - network.piece_start[e]), before, after)
     if before == laws.OPEN:
         return "slack taken up"
     if after == laws.OPEN:
         return "slack again"
-    if law == Law.THRESHOLD:
+    if law is Law.THRESHOLD:
         return "damping ends" if after == laws.UNDAMPED else "damping sets in"
     return "damping outweighs the spring: no pull" if after == laws.CLIPPED else "pulls again"
 

@@ -34,6 +34,7 @@ from ridedown.scenario import (
 from ridedown.signals.history import TimeHistory
 from ridedown.signals.record import TestRecord
 from ridedown.solver.phases import Phases
+from ridedown.solver.sampling import sampled
 from ridedown.status import Status
 
 if TYPE_CHECKING:
@@ -162,14 +163,25 @@ class Response:
     # channels
 
     @cached_property
-    def _channels(self) -> dict[str, Channel]:
+    def _motions_and_forces(self) -> dict[str, Channel]:
+        """The channels that follow from the network alone."""
         known = channels(self.network)
         if not isinstance(self.scenario, NetworkScenario):
-            occupants = self.scenario.occupants
-            known.update(total_forces(occupants, self.network))
-            known.update(centre_of_mass(occupants, self.network))
+            known.update(total_forces(self.scenario.occupants, self.network))
+            known.update(centre_of_mass(self.scenario.occupants, self.network))
+        return known
+
+    @cached_property
+    def _channels(self) -> dict[str, Channel]:
+        """All channels."""
+        known = dict(self._motions_and_forces)
+        if not isinstance(self.scenario, NetworkScenario):
             known.update(forcing_channels(self.scenario, self.network, self.phases, known))
         return known
+
+    def _channel(self, name: str) -> Channel:
+        """The channel of that name. Raises: UnknownName, with the nearest."""
+        return self._motions_and_forces.get(name) or find(self._channels, name)
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -178,7 +190,7 @@ class Response:
 
     def unit(self, channel: str) -> str:
         """SI unit of a channel."""
-        return find(self._channels, channel).unit
+        return self._channel(channel).unit
 
     def at(self, channel: str, times: ArrayLike) -> Floats:
         """A channel at times [s] between 0 and `end_time`, of the times' shape; at an event, the value just after it.
@@ -197,18 +209,7 @@ class Response:
 
         Raises: UnknownName, with the nearest channels; InvalidInput for a time outside the response.
         """
-        within = self._within(times)
-        series = np.array([self._series(name) for name in names])
-        if not series.size:
-            return np.empty((0, within.size))
-        start = self.phases.start
-        phase = np.clip(np.searchsorted(start, within, side="right") - 1, 0, start.size - 1)
-        local = within - start[phase]
-        values: Floats = series[:, phase, -1]
-        for order in range(series.shape[2] - 2, -1, -1):
-            values *= local
-            values += series[:, phase, order]
-        return values
+        return sampled(self.phases, [self._channel(name) for name in names], self._within(times))
 
     def _within(self, times: ArrayLike) -> Floats:
         times = np.asarray(times, dtype=np.float64)
@@ -220,7 +221,7 @@ class Response:
         return times
 
     def _series(self, channel: str) -> Floats:
-        return self.phases.series(find(self._channels, channel))
+        return self.phases.series(self._channel(channel))
 
     def table(self, times: ArrayLike | None = None) -> dict[str, Floats]:
         """Every channel at times [s], under its name, with the times themselves as "time"; at every 0.1 ms if left out."""

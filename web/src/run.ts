@@ -1,5 +1,5 @@
 /** A run as it is on the server: what it is made of, its curves, and what it comes to. */
-import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+import { useCallback, useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { type Answer, type Live, RequestRefused, rows } from "./socket";
 import type { Curves, Refused, Results, ScenarioInfo } from "./types";
 import { asked, type Run } from "./url";
@@ -28,29 +28,30 @@ export function useScenario(live: Live, run: Run): [ScenarioInfo | null, Refused
   return [found, refused];
 }
 
-/** The curves of a run: those of the run before stay until the next are there. */
-export function useCurves(live: Live, lane: string, run: Run | null, since: { current: number }): [Curves | null, Refused | null] {
+/** The curves of a run: those of the run before stay until the next are there. `ask` asks for those of a run that is to come. */
+export function useCurves(live: Live, lane: string, run: Run | null): [Curves | null, Refused | null, (run: Run, since: number) => void] {
   const [found, setFound] = useState<Curves | null>(null);
   const [refused, setRefused] = useState<Refused | null>(null);
   const asking = useRef<Run | null>(null);
-  useLayoutEffect(() => { // at once: an effect would wait for the frame before
+  const ask = useCallback((run: Run, since: number) => {
     asking.current = run;
-    if (!run) {
-      setFound(null);
-      return;
-    }
-    const began = since.current;
     live.ask(lane, { ...asked(run), kind: "simulate" }).then(
       (answer) => {
         if (!asking.current) return;
         setFound(curvesOf(answer));
         setRefused(null);
-        if (began) measure(began);
+        if (since) measure(since);
       },
       (error) => { if (asking.current === run) setRefused(refusedBy(error)); },
     );
+  }, []);
+  useLayoutEffect(() => { // at once: an effect would wait for the frame before
+    if (run && asking.current !== run) ask(run, 0);
+    if (run) return;
+    asking.current = null;
+    setFound(null);
   }, [run]);
-  return [found, refused];
+  return [found, refused, ask];
 }
 
 /** From the slider's own event to the frame in which every plot is drawn: what the tests and benchmarks read. */

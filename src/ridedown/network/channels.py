@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import lru_cache
 
 from ridedown.errors import UnknownName
 from ridedown.network.model import Network
@@ -57,22 +58,30 @@ _ELEMENT = {
 
 def channels(network: Network) -> dict[str, Channel]:
     """Every channel of a network, by name."""
+    chains = tuple(tuple(network.chain(i)) for i in range(len(network.coordinates)))
+    return dict(_channels_of(network.coordinates, chains, tuple(network.is_rotation.tolist()), network.elements))
+
+
+@lru_cache(64)
+def _channels_of(
+    coordinates: tuple[str, ...], chains: tuple[tuple[int, ...], ...], is_rotation: tuple[bool, ...], elements: tuple[str, ...]
+) -> dict[str, Channel]:
+    """The channels of every network of one structure, whose crashes are many."""
     found: list[Channel] = []
-    for i, body in enumerate(network.coordinates):
-        if network.is_rotation[i]:
+    for i, (body, chain) in enumerate(zip(coordinates, chains, strict=True)):
+        if is_rotation[i]:
             found.append(Channel(body, "rad", ((Family.POSITION, i, 1.0),)))
             found.append(Channel(f"{body}_rate", "rad/s", ((Family.RATE, i, 1.0),)))
             continue
-        chain = network.chain(i)
         links = [(_ABSOLUTE, chain)]
         if len(chain) > 1:
             links += [(_RELATIVE, chain[:1]), (_EXCURSION, chain[:-1])]
-        for quantities, coordinates in links:
+        for quantities, added_up in links:
             for quantity, (family, unit) in quantities.items():
                 # an acceleration is absolute already; displacements and velocities add up along the chain
-                added = [i] if family == Family.ACCELERATION else coordinates
+                added = (i,) if family == Family.ACCELERATION else added_up
                 found.append(Channel(f"{body}.{quantity}", unit, tuple((family, link, 1.0) for link in added)))
-    for e, element in enumerate(network.elements):
+    for e, element in enumerate(elements):
         for quantity, (family, unit) in _ELEMENT.items():
             found.append(Channel(f"{element}.{quantity}", unit, ((family, e, 1.0),)))
     return {channel.name: channel for channel in found}

@@ -1,10 +1,11 @@
 /** One figure against time: curves, numbered events, the moment chosen, and a pinned run behind it. */
 import { memo } from "preact/compat";
-import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useMemo, useReducer, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import type { CrashEvent, Line } from "../types";
 import { digits } from "../units";
 import { colour, dash, variable } from "./colours";
+import { fewestPoints } from "./path";
 
 export interface Curve { line: Line; values: Float32Array }
 
@@ -25,9 +26,39 @@ interface Props {
 
 const AXIS_FONT = "12px system-ui, sans-serif";
 
-export const Plot = memo(function Plot(props: Props) {
+const REST = 120; // ms without a change, after which what is out of sight is drawn too
+
+/** The props to draw by: those given, but out of sight those of before, until nothing has changed for a moment. */
+function useInSight(given: Props, place: { current: HTMLElement | null }): Props {
+  const drawn = useRef(given), due = useRef<Props | null>(null), seen = useRef(true);
+  const [, again] = useReducer((count: number) => count + 1, 0);
+  const latest = useRef(given);
+  latest.current = given;
+  if (seen.current || due.current === given) drawn.current = given;
+  const behind = drawn.current !== given;
+  useLayoutEffect(() => {
+    const sight = new IntersectionObserver(([entry]) => {
+      seen.current = entry!.isIntersecting;
+      if (seen.current && drawn.current !== latest.current) again(0);
+    });
+    sight.observe(place.current!);
+    return () => sight.disconnect();
+  }, []);
+  useEffect(() => {
+    if (!behind) return undefined;
+    const later = setTimeout(() => {
+      due.current = given;
+      again(0);
+    }, REST);
+    return () => clearTimeout(later);
+  }, [given, behind]);
+  return drawn.current;
+}
+
+export const Plot = memo(function Plot(given: Props) {
   const place = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
+  const props = useInSight(given, place);
   const latest = useRef(props);
   latest.current = props;
 
@@ -35,31 +66,20 @@ export const Plot = memo(function Plot(props: Props) {
   const labels = curves.map((one) => one.line.label).join("\n") + (pinned ? "\n\npinned" + pinned.curves.length : "");
   const data = useMemo(() => dataOf(time, curves, pinned, scale), [time, curves, pinned, scale]);
 
-  const seen = useRef(true); // what is out of sight is drawn when it comes into it
-  const waiting = useRef<uPlot.AlignedData | null>(null);
   useLayoutEffect(() => {
     const made = new uPlot(optionsOf(latest, place.current!.clientWidth, height), data, place.current!);
     plot.current = made;
     const watch = new ResizeObserver(() => made.setSize({ width: place.current!.clientWidth, height }));
     watch.observe(place.current!);
-    const sight = new IntersectionObserver(([entry]) => {
-      seen.current = entry!.isIntersecting;
-      if (seen.current && waiting.current) made.setData(waiting.current);
-      if (seen.current) waiting.current = null;
-    }, { rootMargin: "200px" });
-    sight.observe(place.current!);
     return () => {
       watch.disconnect();
-      sight.disconnect();
       made.destroy();
       plot.current = null;
     };
   }, [labels, theme, height]);
 
   useLayoutEffect(() => {
-    if (!plot.current || plot.current.data === data) return;
-    waiting.current = seen.current ? null : data;
-    if (seen.current) plot.current.setData(data);
+    if (plot.current && plot.current.data !== data) plot.current.setData(data);
   }, [data]);
 
   useEffect(() => moveLine(plot.current, props.moment), [props.moment, data, labels, theme]);
@@ -139,9 +159,9 @@ function optionsOf(latest: { current: Props }, width: number, height: number): u
     axes: [{ ...axis, size: 30, values: (_, ticks) => ticks.map((tick) => `${tick}`) }, { ...axis, size: 48 }],
     series: [
       {},
-      ...curves.map(({ line }) => ({ stroke: colour(line.colour), width: 2, dash: dash(line.colour), points: { show: false } })),
+      ...curves.map(({ line }) => ({ stroke: colour(line.colour), width: 2, dash: dash(line.colour), points: { show: false }, paths: fewestPoints })),
       ...(pinned?.curves ?? []).map(({ line }) => ({
-        stroke: colour(line.colour), width: 1.25, alpha: 0.45, dash: [3, 3], points: { show: false },
+        stroke: colour(line.colour), width: 1.25, alpha: 0.45, dash: [3, 3], points: { show: false }, paths: fewestPoints,
       })),
     ],
     hooks: {

@@ -13,18 +13,17 @@ import { asked, type Run } from "../url";
 
 export function CrashView({ live, state, change, theme }: ViewProps) {
   const { run, pin, time } = state;
-  const since = useRef(0);
   const [scenario, unreadable] = useScenario(live, run);
-  const [curves, refused] = useCurves(live, "crash", run, since);
-  const [pinned] = useCurves(live, "pin", pin, useRef(0));
+  const [curves, refused, ask] = useCurves(live, "crash", run);
+  const [pinned] = useCurves(live, "pin", pin);
   const [results, stale] = useResults(live, "results", run);
   const [pinnedResults] = useResults(live, "pinned", pin);
   const latest = useRef(run);
   latest.current = run;
 
   const set = useCallback((path: string, value: number, at: number) => {
-    since.current = at;
     latest.current = { ...latest.current, values: { ...latest.current.values, [path]: value } };
+    ask(latest.current, at); // before anything is drawn: the server works meanwhile
     change({ run: latest.current });
   }, []);
   const reset = useCallback((path: string) => {

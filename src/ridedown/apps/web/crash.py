@@ -68,8 +68,9 @@ def finite(values: NDArray[np.float64]) -> NDArray[np.float32]:
 
 def _drawn(response: Response) -> Iterator[str]:
     """The channels that the animation needs beside those of the figures."""
-    known = set(response.channels)
-    wanted = ["bar.displacement", "bar.rotation"]
-    wanted += [f"{vehicle}.{side}.deflection" for vehicle in vehicles(response.scenario) for side in ("right", "left")]
-    wanted += [f"{occupant.name}.seat.excursion" for occupant in getattr(response.scenario, "occupants", ())]
-    return (name for name in wanted if name in known)
+    known = {*response.network.coordinates, *response.network.elements}
+    moving = [("bar", "bar.displacement"), ("bar.rotation", "bar.rotation")]
+    for name in vehicles(response.scenario):
+        moving += [(f"{name}.{side}", f"{name}.{side}.deflection") for side in ("right", "left")]
+    moving += [(f"{one.name}.seat", f"{one.name}.seat.excursion") for one in getattr(response.scenario, "occupants", ())]
+    return (channel for of, channel in moving if of in known)
