@@ -10,7 +10,18 @@ import numpy as np
 import pytest
 
 from ridedown.errors import InvalidInput
-from ridedown.signals import TestRecord, TimeHistory, filtered, integrated, mean, read, write, zeroed
+from ridedown.signals import (
+    TestRecord,
+    TimeHistory,
+    filtered,
+    holds_laboratory_test,
+    integrated,
+    mean,
+    read,
+    read_bytes,
+    write,
+    zeroed,
+)
 
 TEST_10146 = Path(__file__).resolve().parents[3] / "shared" / "data" / "nhtsa_v10146"
 needs_10146 = pytest.mark.skipif(not TEST_10146.exists(), reason="the measured crash data are not beside this repository")
@@ -33,6 +44,24 @@ def test_what_is_written_in_any_format_is_told_and_read(tmp_path, record, name):
     assert back.format.startswith(formats.get(name.lower().partition(".")[2], "ISO-MME"))
     for key in ("11HEAD0000H3ACX0", "11FEMRLE00H3FOZ0"):
         assert back.history(key if back.format != "CSV" else record.channel(key).name).identical(record.history(key))
+
+
+@pytest.mark.parametrize("name", ["t.csv", "t.tsv", "t.parquet", "t.zip"])
+def test_bytes_at_hand_are_read_as_their_file_is(tmp_path, record, name):
+    write(record, tmp_path / name)
+    content = (tmp_path / name).read_bytes()
+    back, same = read_bytes(content, name), read(tmp_path / name)
+    assert (back.format, back.identifier, dict(back.channels)) == (same.format, same.identifier, dict(same.channels))
+    for key in back.channels:
+        assert back.history(key).identical(same.history(key))
+    assert holds_laboratory_test(content, name) == (name == "t.zip")
+
+
+def test_bytes_that_are_no_test_are_refused():
+    for name, words in (("t.zip", "got no zip"), ("v1.EV5", "need both"), ("t.parquet", "Parquet"), ("t.csv", "no header")):
+        with pytest.raises(InvalidInput, match=words):
+            read_bytes(b"", name)
+    assert not holds_laboratory_test(b"", "t.zip")
 
 
 def test_a_table_in_a_folder_or_a_zip_is_read_if_it_is_the_only_one(tmp_path, record):

@@ -63,7 +63,27 @@ export interface CrashMap {
 
 export interface TestInfo {
   kind: "test"; test: string; title: string; description: string; notes: string[]; tables: Table[]; verdicts: VerdictRow[];
-  channels: { key: string; label: string; unit: string; group: string }[]; sled: string | null; no_sled: string;
+  channels: { key: string; label: string; unit: string; group: string; acceleration: boolean }[]; sled: string | null; no_sled: string;
+}
+
+export interface FreeNumber { name: string; path: string; unit: string; low: number; high: number; value: number; by_ratio: boolean }
+
+/** What a test can be fitted with. */
+export interface Suggestion {
+  kind: "suggestion"; test: string; end: number; efforts: string[];
+  channels: { key: string; label: string; seat: string; unit: string; mass: number }[];
+  pulses: { key: string; label: string }[];
+  templates: { name: string; what: string; numbers: FreeNumber[] }[];
+}
+
+/** A fit: how it goes, and what it came to. */
+export interface FitStanding {
+  kind: "fit"; fit: string; stage: string; tried: number; misfit: number | null; seconds: number; cancelled: boolean; ended: boolean; trouble: string;
+  result?: {
+    name: string; unit: string; cfc: number | null; rating: number | null; grade: string | null; peak_error: number | null;
+    peak_time_error: number | null; within: number | null; interrupted: boolean; warnings: string[]; parameters: Table; tables: Table[];
+    values: Record<string, number>; toml: string;
+  };
 }
 
 export interface Refused { kind: "refused"; status: number; field: string; message: string }

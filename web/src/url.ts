@@ -14,10 +14,20 @@ export interface State {
   who: string; // occupant in the side view
   all: boolean; // every slider
   map: { x: string; y: string; outcome: string; limit: number | null };
-  test: { test: string; channels: string[]; cfc: number | null };
+  test: { test: string; channels: string[]; cfc: number | null; fit: FitAsked | null };
   study: string; // its name; none where a new one is made
   kind: string; // of a new study
 }
+
+/** A restraint fitted to the test: what was chosen; what is empty is as the server suggests. */
+export interface FitAsked {
+  channel: string; pulse: string; template: string; mass: number | null; end: number | null; effort: string;
+  bounds: Record<string, [number, number]>; // SI, by the numbers' names
+  held: Record<string, number>; // those that are not sought
+  key: string; // of the fit that was begun
+}
+
+export const NO_FIT: FitAsked = { channel: "", pulse: "", template: "", mass: null, end: null, effort: "", bounds: {}, held: {}, key: "" };
 
 export const START: State = {
   view: "crash",
@@ -27,7 +37,7 @@ export const START: State = {
   who: "",
   all: false,
   map: { x: "", y: "", outcome: "", limit: null },
-  test: { test: "", channels: [], cfc: 60 },
+  test: { test: "", channels: [], cfc: 60, fit: null },
   study: "",
   kind: "sweep",
 };
@@ -57,6 +67,7 @@ export async function write(state: State): Promise<string> {
     found.set("test", state.test.test);
     for (const channel of state.test.channels) found.append("channel", channel);
     found.set("cfc", String(state.test.cfc ?? "none"));
+    if (state.test.fit) found.set("fit", writeFit(state.test.fit));
   }
   return `#/${state.view}?${found}`;
 }
@@ -77,6 +88,7 @@ export async function read(hash: string): Promise<State> {
       test: found.get("test") ?? "",
       channels: found.getAll("channel"),
       cfc: found.get("cfc") === "none" ? null : number("cfc") ?? 60,
+      fit: readFit(found.get("fit")),
     },
     study: found.get("study") ?? "",
     kind: found.get("kind") ?? START.kind,
@@ -101,6 +113,31 @@ async function readRun(found: URLSearchParams, prefix: string): Promise<Run | nu
     return toml === null ? null : { toml, values };
   }
   return { scenario: scenario!, values };
+}
+
+/** What was chosen, as JSON without what is as suggested. */
+function writeFit(fit: FitAsked): string {
+  const chosen = Object.entries(fit).filter(([, value]) => value && (typeof value !== "object" || Object.keys(value).length));
+  return JSON.stringify(Object.fromEntries(chosen));
+}
+
+/** The address may come from anywhere: what is not of its kind is left out. */
+function readFit(text: string | null): FitAsked | null {
+  if (text === null) return null;
+  let given: Record<string, unknown> = {};
+  try {
+    given = Object(JSON.parse(text));
+  } catch { /* none that can be read */ }
+  const word = (key: string) => (typeof given[key] === "string" ? given[key] : "");
+  const number = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
+  const named = <T,>(key: string, fits: (value: unknown) => value is T) =>
+    Object.fromEntries(Object.entries(Object(given[key])).filter((entry): entry is [string, T] => fits(entry[1])));
+  const two = (value: unknown): value is [number, number] => Array.isArray(value) && value.length === 2 && value.every(number);
+  return {
+    channel: word("channel"), pulse: word("pulse"), template: word("template"), effort: word("effort"), key: word("key"),
+    mass: number(given.mass) ? given.mass : null, end: number(given.end) ? given.end : null,
+    bounds: named("bounds", two), held: named("held", number),
+  };
 }
 
 const MOST_TEXT = 200_000; // characters unpacked: an address from elsewhere must not fill the memory

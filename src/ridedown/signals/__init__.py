@@ -13,7 +13,7 @@ from ridedown.signals.processing import (
     trimmed,
     zeroed,
 )
-from ridedown.signals.read import read, read_zip, write
+from ridedown.signals.read import holds_laboratory_test, read, read_bytes, write
 from ridedown.signals.record import ChannelInfo, TestRecord
 
 __all__ = [
@@ -24,10 +24,11 @@ __all__ = [
     "aligned",
     "differentiated",
     "filtered",
+    "holds_laboratory_test",
     "integrated",
     "mean",
     "read",
-    "read_zip",
+    "read_bytes",
     "resampled",
     "resultant",
     "reversed_sign",

@@ -22,7 +22,7 @@ import numpy as np
 from ridedown import units
 from ridedown.errors import InvalidInput
 from ridedown.signals import tables
-from ridedown.signals.files import MAX_FILE_BYTES, Tree, decoded, read_bounded, shown
+from ridedown.signals.files import MAX_FILE_BYTES, InMemory, Tree, decoded, read_bounded, shown
 from ridedown.signals.history import Floats, TimeHistory
 from ridedown.signals.numerals import numbers_of
 from ridedown.signals.record import ChannelInfo, TestRecord, info_of
@@ -36,7 +36,7 @@ _BLOCK = 4096  # lines that are taken apart at once: cells as texts are ten time
 _COMMA_NUMBER = re.compile(r"^([\s\"+-]*[0-9]*),([0-9]*(?:[eE][+-]?[0-9]+)?[\s\"]*)$", re.ASCII)
 
 
-def read_delimited(source: str | Path | Tree, name: str | None = None) -> TestRecord:
+def read_delimited(source: str | Path | InMemory | Tree, name: str | None = None) -> TestRecord:
     """The signals in a CSV or TSV file, a channel for each column; or in the file `name` of a tree.
 
     A column that ends early or begins late is read as far as it goes and says so in its remarks; one with a gap cannot be
@@ -49,12 +49,13 @@ def read_delimited(source: str | Path | Tree, name: str | None = None) -> TestRe
         file = name or source.names()[0]
         text = source.read_text(file)
     else:
-        file = Path(source).name
-        text = decoded(_bytes_of(Path(source)), file)
+        path = source if isinstance(source, InMemory) else Path(source)
+        file = path.name
+        text = decoded(_bytes_of(path), file)
     return _record(_table(text, shown(Path(file).name)), Path(file).stem)
 
 
-def _bytes_of(path: Path) -> bytes:
+def _bytes_of(path: Path | InMemory) -> bytes:
     try:
         with path.open("rb") as file:
             content = read_bounded(file, MAX_FILE_BYTES + 1)

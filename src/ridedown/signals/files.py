@@ -43,6 +43,11 @@ class InMemory:
     name: str
     content: bytes = field(repr=False)
 
+    @property
+    def stem(self) -> str:
+        """Its name without what tells its format."""
+        return PurePosixPath(self.name).stem
+
     def open(self, mode: Literal["rb"]) -> IO[bytes]:  # noqa: ARG002  as a path has it
         """What it holds, as a file."""
         return io.BytesIO(self.content)

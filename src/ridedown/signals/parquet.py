@@ -19,7 +19,7 @@ import numpy as np
 from ridedown import units
 from ridedown.errors import InvalidInput
 from ridedown.signals import tables
-from ridedown.signals.files import shown
+from ridedown.signals.files import InMemory, shown
 from ridedown.signals.history import Floats, TimeHistory
 from ridedown.signals.record import ChannelInfo, TestRecord
 
@@ -33,12 +33,12 @@ MAX_TABLE_BYTES = 4 * 2**30
 _ABOUT = b"ridedown"
 
 
-def read_parquet(path: str | Path) -> TestRecord:
+def read_parquet(source: str | Path | InMemory) -> TestRecord:
     """The signals in a Parquet file, a channel for each column of numbers.
 
     Raises: InvalidInput, naming the file, for what is no Parquet table, has no column of times, or is larger than a test is.
     """
-    path = Path(path)
+    path = source if isinstance(source, InMemory) else Path(source)
     where = shown(path.name)
     with _opened(path) as file:
         columns = _columns(file, where)
@@ -88,7 +88,7 @@ class _Column:
 
 @dataclass(frozen=True, slots=True)
 class _Loader:
-    path: Path
+    path: Path | InMemory
     where: str
     times: Floats
     grid: tables.Grid
@@ -123,7 +123,7 @@ def _info(column: _Column, number: int, samples: int) -> ChannelInfo:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Any]:
+def _opened(path: Path | InMemory) -> Iterator[Any]:
     """The file as pyarrow sees it; whatever pyarrow makes of a damaged one is an InvalidInput."""
     import pyarrow as pa  # noqa: PLC0415  slow to import, and few runs need it
     import pyarrow.parquet as pq  # noqa: PLC0415

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ridedown.errors import InvalidInput
 from ridedown.signals import delimited, ev5, isomme, parquet
-from ridedown.signals.files import is_zip, open_tree, shown, zip_in_memory
+from ridedown.signals.files import InMemory, is_zip, open_tree, shown, zip_in_memory
 
 if TYPE_CHECKING:
     from ridedown.signals.files import Tree
@@ -47,12 +47,33 @@ def read(path: str | Path) -> TestRecord:
     return delimited.read_delimited(path)
 
 
-def read_zip(content: bytes, name: str) -> TestRecord:
-    """The test in a zip whose bytes are at hand: NHTSA EV5, ISO-MME or one table. Nothing is written to the disk.
+def read_bytes(content: bytes, name: str) -> TestRecord:
+    """The test in a file whose bytes are at hand: a zip, or one table in CSV, TSV or Parquet. Nothing is written to the disk.
 
     Raises: InvalidInput, naming file and line, for anything that is none of these, or damaged.
     """
-    return _of_tree(zip_in_memory(content, name))
+    file = InMemory(name, content)
+    suffix = PurePosixPath(name).suffix.lower()
+    if suffix in {ev5.SUFFIX, isomme.SUFFIX}:
+        raise InvalidInput(
+            f"{shown(name)}: got the header of a test without its channels; need both. Give the zip of its folder."
+        )
+    if is_zip(file) or suffix == ".zip":
+        return _of_tree(zip_in_memory(content, name))
+    if content.startswith(_PARQUET) or suffix in parquet.SUFFIXES:
+        return parquet.read_parquet(file)
+    return delimited.read_delimited(file)
+
+
+def holds_laboratory_test(content: bytes, name: str) -> bool:
+    """Whether bytes are the zip of a test of NHTSA EV5 or ISO-MME, and no table.
+
+    Raises: InvalidInput for a zip that is damaged, or holds more than a test has.
+    """
+    if not is_zip(InMemory(name, content)):
+        return False
+    tree = zip_in_memory(content, name)
+    return ev5.recognises(tree) or isomme.recognises(tree)
 
 
 def _of_tree(tree: Tree) -> TestRecord:

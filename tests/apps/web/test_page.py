@@ -11,11 +11,16 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from ridedown.scenario import dump, load, substitute
+from ridedown.signals import read, write
 from ridedown.simulation import simulate
+from ridedown.studies import calibrate
+from ridedown.studies.calibration.of_test import calibration_of_test
+from ridedown.studies.calibration.wording import in_words
 from tests.apps.web.running import Running, running
+from tests.studies.calibration.synthetic import TRUE, record
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, ConsoleMessage, Page
+    from playwright.sync_api import Browser, ConsoleMessage, Locator, Page
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # playwright's own pipes, on the way out
 
@@ -274,6 +279,167 @@ def test_a_measured_test_is_dropped_and_becomes_a_sled(watched: Watched, measure
     assert again.locator(".plot [role=img]").first.get_attribute("aria-label") == page.locator(
         ".plot [role=img]"
     ).first.get_attribute("aria-label")
+
+
+def search_of(page: Page) -> Locator:
+    """The choice of how hard to search."""
+    return page.get_by_role("combobox", name="Search")
+
+
+def shown_fit(page: Page) -> list[Any]:
+    """What a fit shows of its result."""
+    return [
+        page.locator(".calibrate dl").inner_text(),
+        page.locator(".calibrate table", has_text="95 % band").inner_text(),
+        page.locator(".calibrate .note").all_inner_texts(),
+        page.locator(".calibrate .plot [role=img]").get_attribute("aria-label"),
+    ]
+
+
+@pytest.fixture
+def dropped(watched: Watched, measured: Path) -> Page:
+    """The Test view with test 10146 in it, and what it can be fitted with."""
+    page = watched.open("#/test", wait=SHOWN["test"])
+    page.locator(".drop input").set_input_files(measured)
+    page.wait_for_selector("h2:has-text('CAMRY')")
+    page.get_by_role("button", name="Calibrate against it").click()
+    page.wait_for_selector(".calibrate table")
+    return page
+
+
+def test_a_restraint_is_fitted_to_a_measured_test(watched: Watched, dropped: Page, measured: Path) -> None:
+    page = dropped
+    page.get_by_role("button", name="Calibrate", exact=True).click()
+    page.wait_for_selector(".calibrate .results", timeout=4 * SOON)
+    expected = calibrate(calibration_of_test(read(measured), "13"))
+    channel = expected.channels[0]
+    assert channel.rating is not None
+    assert channel.rating.value >= 0.90
+    figures = page.locator(".calibrate dl").inner_text()
+    assert f"{channel.rating.value:.3f}, {channel.rating.grade}" in figures
+    assert f"{channel.peak_error:.2%}".replace("%", " %").replace("-", "−") in figures
+    rows = page.locator(".calibrate table", has_text="95 % band").locator("tbody tr").all_inner_texts()
+    for parameter, row in zip(expected.parameters, rows, strict=True):
+        for value in (parameter.value, parameter.low, parameter.high):
+            assert in_words(value, parameter.unit) in row
+    assert page.locator(".calibrate .note").all_inner_texts() == list(expected.warnings)
+    assert any("cannot be told apart" in note for note in expected.warnings)
+    with page.expect_download() as waiting:
+        page.get_by_role("link", name="Scenario file").click()
+    [name] = expected.scenarios
+    assert Path(waiting.value.path()).read_text(encoding="utf-8") == expected.toml(name)
+    with page.expect_download() as waiting:
+        page.get_by_role("link", name="Calibration report").click()
+    assert b"ISO/TS 18571" in Path(waiting.value.path()).read_bytes()
+    page.wait_for_timeout(300)
+    other = watched.open("#" + page.url.partition("#")[2], wait=".calibrate .results")  # the address finds the fit again
+    assert shown_fit(other) == shown_fit(page)
+    page.get_by_role("button", name="Open the fitted scenario in Crash").click()
+    page.wait_for_selector(".results:not(.stale) table")
+    said = page.locator(".plot", has_text="Acceleration").first.locator("[role=img]").get_attribute("aria-label") or ""
+    peak = simulate(expected.scenarios[name]).peak("driver.acceleration")
+    assert re.search(rf"driver −{abs(peak.value) / G:.1f} g at", said), said
+
+
+def test_what_is_fitted_is_chosen(watched: Watched, dropped: Page, measured: Path) -> None:
+    page = dropped
+    page.get_by_role("combobox", name="Restraint").select_option("spring and damper")
+    page.get_by_label("Measured acceleration").select_option("59")
+    assert page.get_by_label("Occupant’s mass, kg").input_value() == "49"
+    page.get_by_label("Pulse of the vehicle").select_option("94")
+    search_of(page).select_option("quick")
+    page.get_by_label("slack, free").uncheck()
+    for label, text, shown in (
+        ("slack, held at, mm", "1.5 cm", "15"),
+        ("stiffness, from, kN/m", "20", "20"),
+        ("damping ratio, to, %", "80", "80"),
+        ("damping ratio, from, %", "nonsense", "0"),
+        ("Occupant’s mass, kg", "52", "52"),
+        ("End of the fit, ms", "120", "120"),
+    ):
+        page.get_by_label(label).fill(text)
+        page.get_by_label(label).press("Enter")
+        assert page.get_by_label(label).input_value() == shown
+    page.get_by_role("button", name="Calibrate", exact=True).click()
+    page.wait_for_selector(".calibrate .results", timeout=4 * SOON)
+    expected = calibrate(
+        calibration_of_test(
+            read(measured), "59", "spring and damper", free={"stiffness": (20e3, 500e3), "damping ratio": (0.0, 0.8)},
+            held={"slack": 0.015}, mass=52.0, pulse="94", end=0.12, effort="quick",
+        )
+    )  # fmt: skip
+    rows = page.locator(".calibrate table", has_text="95 % band").locator("tbody tr").all_inner_texts()
+    assert [row.split("\t")[:2] for row in rows] == [[p.name, in_words(p.value, p.unit)] for p in expected.parameters]
+    page.wait_for_timeout(300)
+    other = watched.open("#" + page.url.partition("#")[2], wait=".calibrate .results")
+    assert search_of(other).input_value() == "quick"
+    for label in ("slack, held at, mm", "stiffness, from, kN/m", "Occupant’s mass, kg", "End of the fit, ms"):
+        assert other.get_by_label(label).input_value() == page.get_by_label(label).input_value()
+    other.get_by_label("slack, free").check()  # what was fitted is no longer what is chosen
+    other.wait_for_selector(".calibrate .results", state="detached")
+    other.get_by_label("stiffness, from, kN/m").fill("900")
+    other.get_by_label("stiffness, from, kN/m").press("Enter")
+    other.get_by_role("button", name="Calibrate", exact=True).click()
+    other.wait_for_selector(".calibrate .refused:has-text('bounds')")
+
+
+def test_a_fit_is_watched_and_cancelled_with_the_best_so_far(dropped: Page) -> None:
+    page = dropped
+    search_of(page).select_option("thorough")
+    page.get_by_label("Occupant’s mass, kg").fill("77")
+    page.get_by_role("button", name="Calibrate", exact=True).click()
+    page.wait_for_selector(".calibrate progress")
+    page.wait_for_selector(".calibrate [role=status]:has-text('searching')")
+    assert page.get_by_role("combobox", name="Restraint").is_disabled()
+    page.get_by_role("button", name="Cancel, keep the best so far").click()
+    page.wait_for_selector(".calibrate [role=status]:has-text('the best so far')")
+    assert "Interrupted" in page.locator(".calibrate .note").first.inner_text()
+    assert page.get_by_role("button", name="Calibrate", exact=True).is_enabled()
+
+
+def test_a_fit_that_is_gone_is_said(watched: Watched, dropped: Page) -> None:
+    dropped.wait_for_timeout(300)
+    address = "#" + dropped.url.partition("#")[2].partition("&fit=")[0]
+    page = watched.open(address + '&fit={"key":"0123"}', wait=".calibrate .refused")
+    assert "Start it again" in page.locator(".calibrate .refused").inner_text()
+    for nonsense in ("{", "7", '{"mass":"x","bounds":[1],"held":{"a":null},"channel":7}'):
+        again = watched.open(f"{address}&fit={nonsense}", wait=".calibrate table")
+        assert again.get_by_label("Occupant’s mass, kg").input_value() == "78"
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_loose_table_is_a_test_too(watched: Watched, tmp_path: Path, suffix: str) -> None:
+    table = tmp_path / f"sled 7{suffix}"
+    write(record(TRUE, noise=5.0), table)
+    page = watched.open("#/test", wait=SHOWN["test"])
+    page.locator(".drop input").set_input_files(table)
+    page.wait_for_selector("h2:has-text('synthetic')")
+    assert page.locator(".chooser li").count() == 3
+    page.get_by_label("Channels").get_by_label("adult.excursion").check()
+    page.wait_for_selector(".legend li:has-text('adult.excursion')")
+    assert page.get_by_role("button", name="Use as pulse").is_disabled()  # nothing says which channel is the vehicle's
+    page.get_by_role("button", name="Calibrate against it").click()
+    page.wait_for_selector(".calibrate table")
+    assert page.get_by_label("Pulse of the vehicle").input_value() == "adult.acceleration"
+    page.get_by_role("combobox", name="Restraint").select_option("spring and damper")
+    search_of(page).select_option("quick")
+    page.get_by_role("button", name="Calibrate", exact=True).click()
+    page.wait_for_selector(".calibrate .results", timeout=4 * SOON)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessibility_of_a_fit(watched: Watched, dropped: Page, scheme: str) -> None:
+    from axe_playwright_python.sync_playwright import Axe  # noqa: PLC0415
+
+    search_of(dropped).select_option("quick")
+    dropped.get_by_role("button", name="Calibrate", exact=True).click()
+    dropped.wait_for_selector(".calibrate .results", timeout=4 * SOON)
+    dropped.wait_for_timeout(300)
+    page = watched.open("#" + dropped.url.partition("#")[2], wait=".calibrate .results", color_scheme=scheme)
+    found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]})
+    assert found.violations_count == 0, found.generate_report()
+    phone = watched.open("#" + dropped.url.partition("#")[2], wait=".calibrate .results", color_scheme=scheme, viewport=PHONE)
+    assert phone.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
 
 
 def test_a_test_that_is_gone_is_said(watched: Watched) -> None:

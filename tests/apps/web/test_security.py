@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import socket as sockets
+import sys
 import threading
 import time
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 import uvicorn
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
-from ridedown.apps.web import answers, application, exports, session, state
+from ridedown.apps.web import answers, application, exports, session, state, untrusted
 from ridedown.apps.web.guard import HEADERS, is_loopback
 from ridedown.apps.web.studies import Studies
 from ridedown.apps.web.uploads import MOST_BYTES, MOST_TESTS
@@ -36,10 +42,12 @@ def open_server() -> Iterator[Running]:
 
 
 @contextmanager
-def in_this_process() -> Iterator[Running]:
-    """A server whose parts a test can replace."""
+def in_this_process(**options: Any) -> Iterator[Running]:
+    """A server whose parts a test can replace; options: of its application."""
     listening = sockets.create_server(("127.0.0.1", 0))
-    config = uvicorn.Config(application.application(), log_level="error", ws="websockets-sansio", timeout_graceful_shutdown=1)
+    config = uvicorn.Config(
+        application.application(**options), log_level="error", ws="websockets-sansio", timeout_graceful_shutdown=1
+    )
     made = uvicorn.Server(config)
     thread = threading.Thread(target=made.run, kwargs={"sockets": [listening]})
     thread.start()
@@ -209,6 +217,114 @@ def test_an_upload_that_does_not_say_how_large_it_is(server: Running) -> None:
         except OSError:
             pass  # it has hung up
         assert connection.recv(64).startswith(b"HTTP/1.1 413")
+
+
+def test_an_upload_that_comes_too_slowly() -> None:
+    """It is ended when its time is over, and others are answered meanwhile."""
+    with in_this_process(upload_seconds=0.5) as server:
+        begun = time.monotonic()
+        connection = sockets.create_connection(("127.0.0.1", server.port), timeout=WAIT)
+        host = f"Host: 127.0.0.1:{server.port}\r\nOrigin: {server.address}"
+        with connection:
+            connection.sendall(f"POST /upload HTTP/1.1\r\n{host}\r\nContent-Length: 1000\r\n\r\n".encode())
+            connection.sendall(b"PK\x03\x04")
+            assert server.request("GET", "/state").status == 200
+            answer = connection.recv(4096)
+            while b"too slowly" not in answer and (more := connection.recv(4096)):
+                answer += more
+        assert answer.startswith(b"HTTP/1.1 422")
+        assert b"too slowly; need all of it within 0.5 s" in answer
+        assert 0.4 < time.monotonic() - begun < WAIT
+        assert application.UPLOAD_SECONDS <= 120.0
+
+
+def test_an_upload_that_is_cut_off(server: Running) -> None:
+    host = f"Host: 127.0.0.1:{server.port}\r\nOrigin: {server.address}"
+    with sockets.create_connection(("127.0.0.1", server.port), timeout=WAIT) as connection:
+        connection.sendall(f"POST /upload HTTP/1.1\r\n{host}\r\nContent-Length: 1000\r\n\r\nPK".encode())
+    assert server.request("GET", "/state").status == 200
+
+
+ROWS = 9_000_000
+
+
+def stored(rows: int, columns: int) -> bytes:
+    """A Parquet table, small as it is stored."""
+    made = io.BytesIO()
+    times = np.arange(rows) * 1e-6
+    pq.write_table(
+        pa.table({"time [s]": times, **{f"c{i} [g]": np.zeros(rows) for i in range(columns)}}), made, compression="zstd"
+    )
+    return made.getvalue()
+
+
+def damaged(content: bytes) -> bytes:
+    return content[:200] + bytes(b ^ 0xFF for b in content[200:400]) + content[400:]
+
+
+HOSTILE_TABLES: dict[str, tuple[str, Callable[[], bytes]]] = {
+    "no text": ("t.csv", lambda: b"MZ" + bytes(1000)),
+    "no header": ("t.csv", lambda: b"1,2\n3,4\n"),
+    "no times": ("t.csv", lambda: b"a [g],b [g]\n1,2\n"),
+    "ragged": ("t.csv", lambda: b"time [s],a [g]\n0,1\n1\n"),
+    "words": ("t.csv", lambda: b"time [s],a [g]\n0,1\n1,rm -rf\n2,0\n"),
+    "times that fall": ("t.csv", lambda: b"time [s],a [g]\n1,1\n0,2\n"),
+    "a header of many columns": ("t.csv", lambda: b"time [s]," + b"a [g]," * 100_000 + b"\n"),
+    "empty cells without end": (
+        "t.csv",
+        lambda: b"time [s]" + b",a [g]" * 15_000 + b"\n" + (b"0" + b"," * 15_000 + b"\n") * 2500,
+    ),
+    "a name that leads out": ("../../etc/passwd.csv", lambda: b"x"),
+    "no Parquet": ("t.parquet", lambda: b"PAR1" + bytes(1000) + b"PAR1"),
+    "Parquet, damaged": ("t.parquet", lambda: damaged(stored(1000, 1))),
+    "Parquet, torn": ("t.parquet", lambda: stored(1000, 1)[:-20]),
+    "a small file with many numbers": ("t.parquet", lambda: stored(ROWS, 1)),
+    "a header without its channels": ("v1.EV5", lambda: b"----- EV5 -----\n"),
+}
+
+
+@pytest.mark.parametrize(("name", "make"), HOSTILE_TABLES.values(), ids=HOSTILE_TABLES)
+def test_hostile_tables(server: Running, name: str, make: Callable[[], bytes]) -> None:
+    answer = server.request("POST", "/upload", make(), x_filename=quote(name))
+    told = json.loads(answer.content)
+    assert answer.status == 422, told
+    assert told["kind"] == "refused"
+    assert told["message"].count("\n") == 0
+    assert len(told["message"]) < 400
+    assert "/etc" not in told["message"]
+    assert server.request("GET", "/state").status == 200
+
+
+WIDE = b"time [s]" + b"".join(b",c%d [g]" % i for i in range(50)) + b"\n"
+
+
+def test_a_table_is_bounded_in_time_and_memory() -> None:
+    content = WIDE + b"".join(b"%.4f" % (i * 1e-4) + b",1.25" * 50 + b"\n" for i in range(60_000))
+    with pytest.raises(InvalidInput, match=r"more than 0.2 s to read"):
+        untrusted.read_table(content, "wide.csv", seconds=0.2)
+    if sys.platform == "linux":
+        with pytest.raises(InvalidInput, match="within 20 MB"):
+            untrusted.read_table(content, "wide.csv", memory=20 * 2**20)
+    record = untrusted.read_table(content, "wide.csv")
+    assert len(record.channels) == 50
+    assert untrusted.size_of(record) == 50 * 60_000 * 8
+
+
+def test_what_ends_the_reader_of_a_table_ends_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(untrusted, "_read_and_send", _dies)
+    with pytest.raises(InvalidInput, match="undamaged"):
+        untrusted.read_table(b"time [s],a [g]\n0,1\n", "t.csv")
+
+
+def _dies(*_: object) -> None:
+    os.abort()
+
+
+def test_a_table_with_a_gap_says_so_of_that_channel_only() -> None:
+    record = untrusted.read_table(b"time [s],a [g],b [g]\n0,1,1\n1,,2\n2,3,3\n", "t.csv")
+    assert record.history("b").values.tolist() == [1.0, 2.0, 3.0]
+    with pytest.raises(InvalidInput):
+        record.history("a")
 
 
 def test_uploads_are_forgotten_in_turn(measured: Path) -> None:

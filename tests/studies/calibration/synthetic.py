@@ -46,8 +46,11 @@ def through_a_class(frequency_class: float) -> Noise:
 
     def draw(rng: np.random.Generator) -> NDArray[np.float64]:
         drawn = rng.normal(0.0, 1.0, _TIMES.size + 2 * _BEFORE)
-        smooth = filtered(TimeHistory(drawn, "", interval=1e-4), frequency_class).values[_BEFORE : _BEFORE + _TIMES.size]
-        return smooth / smooth.std()
+        smooth: NDArray[np.float64] = filtered(TimeHistory(drawn, "", interval=1e-4), frequency_class).values[
+            _BEFORE : _BEFORE + _TIMES.size
+        ]
+        smooth /= smooth.std()
+        return smooth
 
     return draw
 

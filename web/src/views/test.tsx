@@ -1,10 +1,12 @@
-/** A measured test: dropped here, its channels, its criteria beside the official ones, and its pulse for a sled. */
+/** A measured test: dropped here, its channels, its criteria beside the official ones, its pulse for a sled, a model fitted to it. */
 import { useCallback, useEffect, useState } from "preact/hooks";
 import type { ViewProps } from "../app";
 import { type Curve, Plot } from "../parts/plot";
 import { DataTable, Verdicts } from "../parts/tables";
 import { RequestRefused, rows } from "../socket";
 import type { Line, TestInfo } from "../types";
+import { NO_FIT } from "../url";
+import { Calibrate } from "./calibrate";
 
 const CLASSES = [1000, 600, 180, 60];
 const MOST = 8;
@@ -12,7 +14,7 @@ const MOST = 8;
 interface Drawn { time: Float64Array; curves: Curve[] }
 
 export function TestView({ live, state, change, theme }: ViewProps) {
-  const { test, channels, cfc } = state.test;
+  const { test, channels, cfc, fit } = state.test;
   const [info, setInfo] = useState<TestInfo | null>(null);
   const [busy, setBusy] = useState(false);
   const [trouble, setTrouble] = useState("");
@@ -55,7 +57,7 @@ export function TestView({ live, state, change, theme }: ViewProps) {
       if ("message" in found) setTrouble(found.message);
       else {
         setInfo(found);
-        change({ test: { test: found.test, channels: firstOf(found), cfc: 60 } });
+        change({ test: { test: found.test, channels: firstOf(found), cfc: 60, fit: null } });
       }
     } catch (error) {
       setTrouble(`The file did not arrive: ${String(error)}`);
@@ -68,8 +70,8 @@ export function TestView({ live, state, change, theme }: ViewProps) {
     <div class="stage">
       <label class={`drop${busy ? " busy" : ""}`} onDragOver={(event) => event.preventDefault()}
         onDrop={(event) => { event.preventDefault(); void upload(event.dataTransfer?.files[0]); }}>
-        <input type="file" accept=".zip" onChange={(event) => { void upload(event.currentTarget.files?.[0]); event.currentTarget.value = ""; }} />
-        <span>{busy ? "Reading and judging the test …" : "Drop the zip of a test here, NHTSA EV5 or ISO-MME, or choose one. It stays in the server’s memory."}</span>
+        <input type="file" accept=".zip,.csv,.tsv,.txt,.parquet,.pq" onChange={(event) => { void upload(event.currentTarget.files?.[0]); event.currentTarget.value = ""; }} />
+        <span>{busy ? "Reading and judging the test …" : "Drop a test here, or choose one: the zip of an NHTSA EV5 or ISO-MME test, or a table of channels, CSV or Parquet. It stays in the server’s memory."}</span>
       </label>
       {trouble && <p class="refused" role="alert">{trouble}</p>}
       {info && <>
@@ -77,8 +79,10 @@ export function TestView({ live, state, change, theme }: ViewProps) {
         <p class="quiet">{info.description}</p>
         <div class="actions">
           <button type="button" disabled={!info.sled} title={info.no_sled} onClick={() => change({ view: "crash", run: { toml: info.sled!, values: {} }, who: "" })}>Use as pulse</button>
+          <button type="button" aria-pressed={!!fit} disabled={!info.channels.some((one) => one.acceleration)} onClick={() => set({ fit: fit ? null : NO_FIT })}>Calibrate against it</button>
           {info.no_sled && <span class="quiet">{info.no_sled}</span>}
         </div>
+        {fit && <Calibrate key={info.test} live={live} info={info} asked={fit} onAsk={(fit) => set({ fit })} change={change} theme={theme} />}
         <div class="test">
           <Chooser info={info} chosen={channels} onChoose={(channels) => set({ channels })} />
           <div>

@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 from starlette.applications import Starlette
 from starlette.requests import ClientDisconnect, Request
@@ -29,13 +30,18 @@ from ridedown.errors import InvalidInput, UnknownName
 STATIC = Path(__file__).parent / "static"
 """The built front end."""
 
-_UPLOAD_SECONDS = 120.0
+UPLOAD_SECONDS = 120.0
+"""How long a client may take to send a body."""
 _REPORTS = {"report.html": "text/html", "report.pdf": "application/pdf"}
 _FOREVER = "public, max-age=31536000, immutable"  # names of built files carry a hash of what is in them
 
 
-def application(*, token: str | None = None, studies: Studies | None = None) -> ASGIApp:
-    """The application, guarded. token: what clients need who are not on this machine; studies: where these may be kept."""
+def application(*, token: str | None = None, studies: Studies | None = None, upload_seconds: float = UPLOAD_SECONDS) -> ASGIApp:
+    """The application, guarded.
+
+    token: what clients need who are not on this machine; studies: where these may be kept; upload_seconds: how long a client
+    may take to send a test.
+    """
     server = Server(studies or Studies())
 
     @asynccontextmanager
@@ -49,13 +55,16 @@ def application(*, token: str | None = None, studies: Studies | None = None) -> 
         await _live(socket, server)
 
     async def upload(request: Request) -> Response:
-        return await _answered(_upload(request, server))
+        return await _answered(_upload(request, server, upload_seconds))
 
     async def exported(request: Request) -> Response:
         return await _answered(_export(request, server))
 
     async def study(request: Request) -> Response:
         return await _answered(_study(request, server))
+
+    async def fit(request: Request) -> Response:
+        return await _answered(_fit(request, server))
 
     async def state(_: Request) -> Response:
         return JSONResponse(server.state())
@@ -67,6 +76,7 @@ def application(*, token: str | None = None, studies: Studies | None = None) -> 
         Route("/upload", upload, methods=["POST"]),
         Route("/export/{kind}", exported, methods=["POST"]),
         Route("/study/{name}/{what}", study),
+        Route("/fit/{key}/{what}", fit),
         Mount("/assets", _Assets(directory=STATIC / "assets", check_dir=False)),
     ]
     return Guard(Starlette(routes=routes, lifespan=life), token)
@@ -110,9 +120,9 @@ async def _answered(work: Any) -> Response:
     return answer
 
 
-async def _upload(request: Request, server: Server) -> Response:
-    name = request.headers.get("x-filename", "test.zip")
-    content = await _body(request, MOST_BYTES)
+async def _upload(request: Request, server: Server, seconds: float) -> Response:
+    name = unquote(request.headers.get("x-filename", "test.zip"))
+    content = await _body(request, MOST_BYTES, seconds)
     await server.ready.wait()
     loop = asyncio.get_running_loop()
     return JSONResponse(await loop.run_in_executor(server.slow, server.uploads.add, content, name))
@@ -147,8 +157,20 @@ async def _study(request: Request, server: Server) -> Response:
     return Response(content, media_type=media_type, headers=headers)
 
 
-async def _body(request: Request, most: int) -> bytes:
-    """The body, read as it comes, and no further than it may be long. Raises: TooMuch, InvalidInput."""
+async def _fit(request: Request, server: Server) -> Response:
+    key, what = request.path_params["key"], request.path_params["what"]
+    if what == "scenario.toml":
+        content, media_type = server.fits.scenario(key), "application/toml"
+    elif what == "report.html":
+        content, media_type = await server.draw(server.fits.report, key), _REPORTS[what]
+    else:
+        raise UnknownName.among("file", what[:50], ("scenario.toml", "report.html"))
+    headers = {"content-disposition": f'attachment; filename="fit-{what}"'}
+    return Response(content, media_type=media_type, headers=headers)
+
+
+async def _body(request: Request, most: int, seconds: float = UPLOAD_SECONDS) -> bytes:
+    """The body, read as it comes: no more of it than may be, for no longer than may be. Raises: TooMuch, InvalidInput."""
     too_much = TooMuch(f"file: got more than {most:,} bytes; need fewer. Leave out channels.")
     declared = request.headers.get("content-length", "0")
     if declared.isdecimal() and int(declared) > most:
@@ -156,14 +178,14 @@ async def _body(request: Request, most: int) -> bytes:
     parts: list[bytes] = []
     size = 0
     try:
-        async with asyncio.timeout(_UPLOAD_SECONDS):
+        async with asyncio.timeout(seconds):
             async for part in request.stream():
                 size += len(part)
                 if size > most:
                     raise too_much
                 parts.append(part)
     except TimeoutError:
-        raise InvalidInput(f"file: got it too slowly; need all of it within {_UPLOAD_SECONDS:g} s.") from None
+        raise InvalidInput(f"file: got it too slowly; need all of it within {seconds:g} s.") from None
     except ClientDisconnect:
         raise InvalidInput("file: got a part of it; need all. Send it again.") from None
     return b"".join(parts)

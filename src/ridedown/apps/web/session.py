@@ -33,6 +33,7 @@ LANES = (
     "study",
     "figures",
     "study-file",
+    "fit",
 )
 """A session computes one request of each lane at a time, and keeps one waiting."""
 
@@ -122,10 +123,14 @@ class Session:
             "study": (server.studies.answer, server.slow),
             "study-file": (study_file, server.quick),
             "figures": (server.studies.figures, server.drawing),
+            "fit": (self._fit, server.slow),
         }
         if kind not in jobs:
             raise InvalidInput(f"kind: got {kind[:50]!r}; need one of {', '.join(jobs)}.")
         return jobs[kind]
+
+    def _fit(self, message: Message) -> answers.Answer:
+        return self.server.fits.answer(message, self)
 
     async def _send(self, answer: bytes | dict[str, Any]) -> None:
         async with self.sending:

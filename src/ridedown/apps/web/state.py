@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from ridedown.apps.first_run import compile_side_by_side
+from ridedown.apps.web.fits import Fits
 from ridedown.apps.web.refusals import TooMuch
 from ridedown.apps.web.studies import Studies
 from ridedown.apps.web.uploads import Uploads
@@ -33,6 +34,7 @@ class Server:
         self.drawing = ThreadPoolExecutor(1, thread_name_prefix="ridedown-drawing")
         self.drawings = 0
         self.uploads = Uploads()
+        self.fits = Fits(self.uploads)
         self.studies = studies
         self.sessions = 0
         self.ready = asyncio.Event()
@@ -64,6 +66,7 @@ class Server:
     def close(self) -> None:
         """Let go of the threads; what runs in them is not waited for."""
         self.studies.close()
+        self.fits.close()
         for pool in (self.quick, self.slow, self.drawing):
             pool.shutdown(wait=False, cancel_futures=True)
 

@@ -1,4 +1,6 @@
-"""Measured tests that were dropped on the page: kept in memory, by a hash of their bytes, a few at a time."""
+"""Measured tests that were dropped on the page, zips and loose tables: kept in memory, by a hash of their bytes, a few at a
+time.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,12 @@ import numpy as np
 from ridedown.apps.web.crash import Frame, finite
 from ridedown.apps.web.refusals import TooMuch
 from ridedown.apps.web.results import table_of, verdict_row
+from ridedown.apps.web.untrusted import read_table, size_of
 from ridedown.errors import InvalidInput, RidedownError, UnknownName
 from ridedown.report.criteria import CriteriaReport
 from ridedown.scenario import dump
-from ridedown.signals import TestRecord, filtered, read_zip
+from ridedown.signals import TestRecord, filtered, holds_laboratory_test, read_bytes
+from ridedown.studies.calibration.of_test import is_acceleration
 from ridedown.studies.sled_of_test import sled_of_test
 
 MOST_BYTES = 48 * 2**20
@@ -49,7 +53,7 @@ class Uploads:
         self._lock = Lock()
 
     def add(self, content: bytes, name: str) -> dict[str, Any]:
-        """Read a zip, judge it and keep it: what the page shows of it, with its `test`, the hash to ask for it by.
+        """Read a file, judge it and keep it: what the page shows of it, with its `test`, the hash to ask for it by.
 
         Raises: InvalidInput for what is no test.
         """
@@ -59,8 +63,8 @@ class Uploads:
         with self._lock:
             if key in self._kept:
                 return self._kept[key].answer
-        record = read_zip(content, PurePosixPath(name.replace("\\", "/")).name[:100] or "test.zip")
-        upload = Upload(record, len(content), {"kind": "test", "test": key, **_about(record)})
+        record, size = _read(content, PurePosixPath(name.replace("\\", "/")).name[-100:] or "test.zip")
+        upload = Upload(record, size, {"kind": "test", "test": key, **_about(record)})
         with self._lock:
             self._kept[key] = upload
             while len(self._kept) > MOST_TESTS or sum(one.size for one in self._kept.values()) > MOST_KEPT:
@@ -70,6 +74,10 @@ class Uploads:
     def about(self, message: Mapping[str, Any]) -> dict[str, Any]:
         """What there is to show of a test: header, criteria, verdicts, channels, and the sled of its pulse."""
         return self._of(message).answer
+
+    def record(self, message: Mapping[str, Any]) -> TestRecord:
+        """The test that a message names. Raises: UnknownName where it is not held."""
+        return self._of(message).record
 
     def channels(self, message: Mapping[str, Any]) -> Frame:
         """Curves of some channels, as recorded, or filtered to the class `cfc`."""
@@ -100,6 +108,14 @@ class Uploads:
         raise UnknownName("test: this server does not hold it any more; it keeps tests in memory only. Drop the file again.")
 
 
+def _read(content: bytes, name: str) -> tuple[TestRecord, int]:
+    """The test in these bytes, and how many bytes it takes in memory."""
+    if holds_laboratory_test(content, name):
+        return read_bytes(content, name), len(content)
+    record = read_table(content, name)
+    return record, size_of(record)
+
+
 def _about(record: TestRecord) -> dict[str, Any]:
     report = CriteriaReport(record)
     verdicts = [
@@ -121,6 +137,7 @@ def _about(record: TestRecord) -> dict[str, Any]:
                 "label": ", ".join(part for part in (info.name, info.location, info.quantity, info.axis) if part),
                 "unit": info.unit,
                 "group": _group(info.occupant, info.vehicle),
+                "acceleration": is_acceleration(info),
             }
             for info in record.channels.values()
             if info.readable
@@ -136,7 +153,7 @@ def _group(occupant: str | None, vehicle: int | None) -> str:
 
 
 def _sled(record: TestRecord) -> dict[str, Any]:
-    """The test as a sled, in the text of a scenario file; or why it cannot be one."""
+    """The test as a sled, in the text of a scenario file; or why it cannot be one without more being said."""
     try:
         return {"sled": dump(sled_of_test(record)), "no_sled": ""}
     except RidedownError as why:

@@ -23,6 +23,7 @@ from ridedown.studies.calibration.sampling import Samples
 from ridedown.studies.calibration.targets import ChannelTarget, NumberTarget
 from ridedown.studies.calibration.uncertainty import Block, Uncertainty, uncertainty
 from ridedown.studies.calibration.unknowns import Unknown, points_of, values_of
+from ridedown.studies.calibration.wording import in_words
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str, int, float], None]
@@ -328,7 +329,7 @@ def _warnings(parameters: Sequence[FittedParameter], starts: tuple[int, int], *,
             '(search.effort = "thorough"), or narrow the bounds.'
         )
     said += [
-        f"{p.name} is at its bound, {p.value:.6g} {p.unit}".rstrip() + ": widen the bounds if they are not physical."
+        f"{p.name} is at its bound, {in_words(p.bound, p.unit)}: widen the bounds if they are not physical."
         for p in parameters
         if p.at_bound
     ]

@@ -34,10 +34,14 @@ class FittedParameter:
     deviation: float
 
     @property
+    def bound(self) -> float:
+        """The bound that it is nearer to."""
+        return self.lower if self.value - self.lower < self.upper - self.value else self.upper
+
+    @property
     def at_bound(self) -> bool:
         """Whether it stands at one of its bounds."""
-        span = self.upper - self.lower
-        return min(self.value - self.lower, self.upper - self.value) < 1e-4 * span
+        return abs(self.value - self.bound) < 1e-4 * (self.upper - self.lower)
 
 
 @dataclass(frozen=True, slots=True)
