@@ -22,7 +22,7 @@ from ridedown.simulation import simulate
 from ridedown.studies import calibrate
 from ridedown.studies.calibration.of_test import TEMPLATES, calibration_of_test, fittable
 from tests.apps.web.running import Running
-from tests.studies.calibration.synthetic import TRUE, record
+from tests.studies.calibration.synthetic import sled_test
 
 PLAIN = {
     "template": "spring and damper",
@@ -37,9 +37,8 @@ PLAIN = {
 @pytest.fixture
 def table(tmp_path: Path) -> bytes:
     """A loose table: an occupant's acceleration and the vehicle's, with no word on which is which."""
-    made = record(TRUE, noise=5.0)
     path = tmp_path / "sled 7.csv"
-    write(made, path)
+    write(sled_test(), path)
     return path.read_bytes()
 
 
@@ -111,11 +110,11 @@ def test_a_loose_table_is_fitted_on_the_pulse_that_is_named(table: bytes) -> Non
     test = uploads.add(table, "sled 7.csv")["test"]
     suggested = held.answer({"action": "suggest", "test": test}, None)
     assert isinstance(suggested, dict)
-    assert [one["key"] for one in suggested["channels"]] == ["adult.acceleration"]
-    asked = {"test": test, "channel": "adult.acceleration", **PLAIN}
+    assert [one["key"] for one in suggested["channels"]] == ["sled x", "chest x"]
+    asked = {"test": test, "channel": "chest x", **PLAIN}
     with pytest.raises(InvalidInput, match="pulse"):
         held.answer({"action": "start", **asked}, None)
-    told = held.answer({"action": "start", **asked, "pulse": "adult.acceleration"}, None)
+    told = held.answer({"action": "start", **asked, "pulse": "sled x"}, None)
     assert isinstance(told, dict)
     header, _ = ended(held, told["fit"])
     assert header["trouble"] == ""
@@ -126,7 +125,7 @@ def test_a_loose_table_is_fitted_on_the_pulse_that_is_named(table: bytes) -> Non
     ("change", "error", "words"),
     [
         ({"channel": "nothing"}, UnknownName, "channel"),
-        ({"channel": "adult.excursion"}, InvalidInput, "acceleration"),
+        ({"pulse": "chest x"}, InvalidInput, "which is fitted"),
         ({"template": "rope"}, UnknownName, "template"),
         ({"mass": -1.0}, InvalidInput, "mass"),
         ({"mass": "heavy"}, InvalidInput, "mass"),
@@ -140,7 +139,7 @@ def test_a_loose_table_is_fitted_on_the_pulse_that_is_named(table: bytes) -> Non
         ({"free": {"stiffness": [1.0, 1e300]}}, InvalidInput, "stiffness"),
         ({"free": ["stiffness"]}, InvalidInput, "parameters"),
         ({"held": {"slack": -1.0}}, InvalidInput, "slack"),
-        ({"pulse": "adult.excursion"}, InvalidInput, "pulse"),
+        ({"pulse": "chest y"}, UnknownName, "channel"),
         ({"action": "explode"}, UnknownName, "action"),
         ({"test": "0123"}, UnknownName, "Drop the file again"),
     ],
@@ -148,7 +147,7 @@ def test_a_loose_table_is_fitted_on_the_pulse_that_is_named(table: bytes) -> Non
 def test_what_cannot_be_fitted_is_refused(table: bytes, change: dict[str, Any], error: type[Exception], words: str) -> None:
     uploads = Uploads()
     test = uploads.add(table, "sled 7.csv")["test"]
-    asked = {"action": "start", "test": test, "channel": "adult.acceleration", "pulse": "adult.acceleration", **PLAIN}
+    asked = {"action": "start", "test": test, "channel": "chest x", "pulse": "sled x", **PLAIN}
     with pytest.raises(error, match=words):
         Fits(uploads).answer(asked | change, None)
 
@@ -157,7 +156,7 @@ def test_bounds_that_cannot_be_are_told_by_the_fit(table: bytes) -> None:
     uploads = Uploads()
     held = Fits(uploads)
     test = uploads.add(table, "t.csv")["test"]
-    asked = {"test": test, "channel": "adult.acceleration", "pulse": "adult.acceleration", **PLAIN}
+    asked = {"test": test, "channel": "chest x", "pulse": "sled x", **PLAIN}
     told = held.answer({"action": "start", **asked, "free": {"stiffness": [5e5, 1e4]}}, None)
     assert isinstance(told, dict)
     header, _ = ended(held, told["fit"])
@@ -171,7 +170,7 @@ LONG = PLAIN | {"template": "belt and airbag", "free": None, "held": None, "effo
 
 def started(held: Fits, test: str, owner: object, **change: Any) -> str:
     free = {one.name: [one.low, one.high] for one in TEMPLATES["belt and airbag"].numbers}
-    asked = LONG | {"free": free, "channel": "adult.acceleration", "pulse": "adult.acceleration", **change}
+    asked = LONG | {"free": free, "channel": "chest x", "pulse": "sled x", **change}
     told = held.answer({"action": "start", "test": test, **asked}, owner)
     assert isinstance(told, dict)
     return str(told["fit"])

@@ -17,7 +17,7 @@ from ridedown.studies import calibrate
 from ridedown.studies.calibration.of_test import calibration_of_test
 from ridedown.studies.calibration.wording import in_words
 from tests.apps.web.running import Running, running
-from tests.studies.calibration.synthetic import TRUE, record
+from tests.studies.calibration.synthetic import sled_test
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, ConsoleMessage, Locator, Page
@@ -410,17 +410,18 @@ def test_a_fit_that_is_gone_is_said(watched: Watched, dropped: Page) -> None:
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_a_loose_table_is_a_test_too(watched: Watched, tmp_path: Path, suffix: str) -> None:
     table = tmp_path / f"sled 7{suffix}"
-    write(record(TRUE, noise=5.0), table)
+    write(sled_test(), table)
     page = watched.open("#/test", wait=SHOWN["test"])
     page.locator(".drop input").set_input_files(table)
-    page.wait_for_selector("h2:has-text('synthetic')")
-    assert page.locator(".chooser li").count() == 3
-    page.get_by_label("Channels").get_by_label("adult.excursion").check()
-    page.wait_for_selector(".legend li:has-text('adult.excursion')")
+    page.wait_for_selector("h2:has-text('sled 7')")
+    assert page.locator(".chooser li").count() == 2
+    page.get_by_role("button", name="CFC 180").click()
+    page.wait_for_selector(".legend li:has-text('chest x')")
     assert page.get_by_role("button", name="Use as pulse").is_disabled()  # nothing says which channel is the vehicle's
     page.get_by_role("button", name="Calibrate against it").click()
     page.wait_for_selector(".calibrate table")
-    assert page.get_by_label("Pulse of the vehicle").input_value() == "adult.acceleration"
+    page.get_by_label("Measured acceleration").select_option("chest x")
+    assert page.get_by_label("Pulse of the vehicle").input_value() == "sled x"
     page.get_by_role("combobox", name="Restraint").select_option("spring and damper")
     search_of(page).select_option("quick")
     page.get_by_role("button", name="Calibrate", exact=True).click()

@@ -238,6 +238,25 @@ def test_an_upload_that_comes_too_slowly() -> None:
         assert application.UPLOAD_SECONDS <= 120.0
 
 
+def test_uploads_without_end_fill_no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(application, "MOST_UPLOADS", 2)
+    with in_this_process(upload_seconds=WAIT) as server:
+        host = f"Host: 127.0.0.1:{server.port}\r\nOrigin: {server.address}"
+        head = f"POST /upload HTTP/1.1\r\n{host}\r\nContent-Length: 1000\r\n\r\nPK".encode()
+        slow = [sockets.create_connection(("127.0.0.1", server.port), timeout=WAIT) for _ in range(2)]
+        for connection in slow:
+            connection.sendall(head)
+        answer = server.request("POST", "/upload", b"x")
+        while answer.status != 413:  # until both have been taken
+            time.sleep(0.02)
+            answer = server.request("POST", "/upload", b"x")
+        assert b"on their way" in answer.content
+        for connection in slow:
+            connection.close()
+        while server.request("POST", "/upload", b"x").status == 413:  # until both are given up
+            time.sleep(0.02)
+
+
 def test_an_upload_that_is_cut_off(server: Running) -> None:
     host = f"Host: 127.0.0.1:{server.port}\r\nOrigin: {server.address}"
     with sockets.create_connection(("127.0.0.1", server.port), timeout=WAIT) as connection:

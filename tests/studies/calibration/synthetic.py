@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 from ridedown.scenario import load, substitute
 from ridedown.signals import TestRecord, TimeHistory, filtered
 from ridedown.simulation import simulate
+from ridedown.studies.calibration.of_test import TEMPLATES
 
 BASE = load("paper-adult-full")
 STIFFNESS, SLACK, DAMPING = (f"adult.restraint.{field}" for field in ("stiffness", "slack", "damping_ratio"))
@@ -85,6 +86,28 @@ def record(
         drawn = noise * kind(rng) if name == "adult.acceleration" else 1e-3 * np.abs(values).max() * white(rng)
         curves.append(TimeHistory(values + drawn, response.unit(name), start=-0.05, interval=1e-4, name=name))
     return TestRecord.of(curves, identifier="synthetic")
+
+
+OF_SLED = {"stiffness": 45e3, "slack": 0.02, "damping ratio": 0.25}
+MASS = 74.0
+"""The occupant of `sled_test`, kg."""
+
+
+def sled_test() -> TestRecord:
+    """A sled test of a restraint that is known, as a table that names its channels and says no more."""
+    template = TEMPLATES["spring and damper"]
+    occupant = {**template.occupant, "name": "occupant", "mass": MASS}
+    sled = load("sled-fmvss-208").model_copy(update={"occupants": ()})
+    made = load(sled.model_dump(exclude_unset=True, mode="python") | {"occupants": [occupant]})
+    response = simulate(substitute(made, {f"occupant.{n.path}": OF_SLED[n.name] for n in template.numbers}))
+    times = np.arange(0, 1501) * 1e-4
+    return TestRecord.of(
+        [
+            TimeHistory(response.at(channel, times) / 9.80665, "g", interval=1e-4, name=name)
+            for name, channel in (("sled x", "vehicle1.acceleration"), ("chest x", "occupant.acceleration"))
+        ],
+        identifier="sled 7",
+    )
 
 
 def spec(test: TestRecord, **changes: Any) -> dict[str, Any]:

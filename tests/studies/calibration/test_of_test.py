@@ -8,47 +8,25 @@ import numpy as np
 import pytest
 
 from ridedown.errors import InvalidInput, UnknownName
-from ridedown.scenario import load, substitute
 from ridedown.signals import TestRecord, TimeHistory
 from ridedown.signals.record import ChannelInfo, Occupant, Vehicle
 from ridedown.simulation import simulate
 from ridedown.studies import calibrate
 from ridedown.studies.calibration.of_test import TEMPLATES, calibration_of_test, fittable
 from ridedown.studies.sled_of_test import sled_of_test
-
-SLED = load("sled-fmvss-208")
-WHO = SLED.occupants[0].name
-TRUE = {"stiffness": 45e3, "slack": 0.02, "damping ratio": 0.25}
-MASS = 74.0
-
-
-def table() -> TestRecord:
-    """A sled test of a restraint that is known, as a table that names its channels and says no more."""
-    template = TEMPLATES["spring and damper"]
-    occupant = {**template.occupant, "name": "occupant", "mass": MASS}
-    sled = SLED.model_copy(update={"occupants": ()})
-    made = load(sled.model_dump(exclude_unset=True, mode="python") | {"occupants": [occupant]})
-    response = simulate(substitute(made, {f"occupant.{n.path}": TRUE[n.name] for n in template.numbers}))
-    times = np.arange(0, 1501) * 1e-4
-    return TestRecord.of(
-        [
-            TimeHistory(response.at(channel, times) / 9.80665, "g", interval=1e-4, name=name)
-            for name, channel in (("sled x", "vehicle1.acceleration"), ("chest x", "occupant.acceleration"))
-        ],
-        identifier="sled 7",
-    )
+from tests.studies.calibration.synthetic import MASS, OF_SLED, sled_test
 
 
 @pytest.fixture(scope="module")
 def record() -> TestRecord:
-    return table()
+    return sled_test()
 
 
 def test_a_known_restraint_comes_back(record: TestRecord) -> None:
     asked = calibration_of_test(record, "chest x", "spring and damper", pulse="sled x", mass=MASS, effort="quick")
     found = calibrate(asked)
     # the pulse is straight lines through what was filtered, and the peak counts by itself
-    for name, value in TRUE.items():
+    for name, value in OF_SLED.items():
         assert found.values[name] == pytest.approx(value, rel=0.06)
     assert found.channels[0].rating is not None
     assert found.channels[0].rating.value > 0.97
@@ -61,7 +39,7 @@ def test_what_is_held_stays(record: TestRecord) -> None:
     )  # fmt: skip
     found = calibrate(asked)
     assert list(found.values) == ["stiffness"]
-    assert found.values["stiffness"] == pytest.approx(TRUE["stiffness"], rel=0.03)
+    assert found.values["stiffness"] == pytest.approx(OF_SLED["stiffness"], rel=0.03)
     fitted = found.scenarios["occupant"].occupants[0]
     assert (fitted.mass, fitted.restraint.slack, fitted.restraint.damping_ratio) == (MASS, 0.02, 0.25)
     assert found.channels[0].times[-1] == pytest.approx(0.1)
@@ -109,6 +87,7 @@ def test_the_mass_is_that_of_the_dummy() -> None:
         ("chest x", {"end": -0.1}, InvalidInput, "end"),
         ("chest x", {"pulse": ""}, InvalidInput, "pulse"),
         ("chest x", {"pulse": "sled y"}, UnknownName, "sled x"),
+        ("chest x", {"pulse": "chest x"}, InvalidInput, "which is fitted"),
         ("chest x", {"mass": -1.0}, InvalidInput, "mass"),
     ],
 )

@@ -19,6 +19,7 @@ export function Calibrate({ live, info, asked, onAsk, change, theme }: Props) {
   const [suggestion, setSuggestion] = useState<Suggestion | null>(null);
   const [told, setTold] = useState<Told | null>(null);
   const [trouble, setTrouble] = useState("");
+  const [starting, setStarting] = useState(false);
   const [begun, setBegun] = useState(0); // a fit begun anew keeps its key
   const stopping = useRef(false);
   const latest = useRef({ asked, onAsk });
@@ -53,9 +54,10 @@ export function Calibrate({ live, info, asked, onAsk, change, theme }: Props) {
   if (!suggestion) return <p class="waiting" role="status">{trouble || "Looking for what can be fitted …"}</p>;
   if (!suggestion.channels.length) return <p class="note">No acceleration of an occupant can be read in this test: there is nothing to fit to.</p>;
   const form = completed(asked, suggestion, info);
-  const running = !!asked.key && !!told && !told.standing.ended;
+  const running = starting || (!!asked.key && !!told && !told.standing.ended);
   const start = async () => {
     setTrouble("");
+    setStarting(true);
     stopping.current = false;
     const { template, channel, pulse, mass, end, effort } = form;
     const message = { test: info.test, channel: channel.key, pulse, template: template.name, mass, end, effort, ...numbersOf(form, asked) };
@@ -65,6 +67,8 @@ export function Calibrate({ live, info, asked, onAsk, change, theme }: Props) {
       setBegun((count) => count + 1);
     } catch (error) {
       say(error);
+    } finally {
+      setStarting(false);
     }
   };
   const choose = (chosen: FitAsked) => onAsk({ ...chosen, key: "" }); // what is shown below is always of what is chosen here
@@ -80,11 +84,12 @@ export function Calibrate({ live, info, asked, onAsk, change, theme }: Props) {
       </fieldset>
       <div class="actions">
         <button type="button" disabled={running} onClick={() => void start()}>Calibrate</button>
-        <button type="button" disabled={!running} onClick={() => { stopping.current = true; }}>Cancel, keep the best so far</button>
+        <button type="button" disabled={!running || starting} onClick={() => { stopping.current = true; }}>Cancel, keep the best so far</button>
       </div>
       {(trouble || failed) && <p class="refused" role="alert">{trouble || failed}</p>}
-      {told && !failed && <Progress standing={told.standing} />}
-      {told?.standing.result && told.curves && <Result standing={told.standing} curves={told.curves} change={change} theme={theme} />}
+      {starting && <p role="status" class="quiet">making the sled of the test …</p>}
+      {told && !failed && !starting && <Progress standing={told.standing} />}
+      {told?.standing.result && told.curves && !starting && <Result standing={told.standing} curves={told.curves} change={change} theme={theme} />}
     </section>
   );
 }
@@ -103,16 +108,21 @@ interface Form {
 /** What is asked, with what is suggested where nothing else was chosen. */
 function completed(asked: FitAsked, suggestion: Suggestion, info: TestInfo): Form {
   const channel = suggestion.channels.find((one) => one.key === asked.channel) ?? suggestion.channels[0]!;
-  const other = suggestion.pulses.find((one) => one.key !== channel.key) ?? suggestion.pulses[0];
-  const own = info.sled ? "" : other?.key ?? "";
+  const pulses = pulsesOf(suggestion, channel.key);
+  const own = info.sled ? "" : pulses[0]?.key ?? "";
   return {
     channel,
-    pulse: suggestion.pulses.some((one) => one.key === asked.pulse) ? asked.pulse : own,
+    pulse: pulses.some((one) => one.key === asked.pulse) ? asked.pulse : own,
     template: suggestion.templates.find((one) => one.name === asked.template) ?? suggestion.templates[0]!,
     mass: asked.mass ?? channel.mass,
     end: asked.end ?? suggestion.end,
     effort: suggestion.efforts.includes(asked.effort) ? asked.effort : "normal",
   };
+}
+
+/** The channels that the vehicle's pulse can be, where one is fitted. */
+function pulsesOf(suggestion: Suggestion, channel: string): Suggestion["pulses"] {
+  return suggestion.pulses.filter((one) => one.key !== channel);
 }
 
 /** The numbers to find, with their bounds, and those that are held. */
@@ -139,7 +149,7 @@ function Choices({ form, suggestion, info, asked, onAsk }: FormProps & { suggest
       <label class="field">Pulse of the vehicle
         <select value={form.pulse} onChange={(event) => set({ pulse: event.currentTarget.value })}>
           {info.sled && <option value="">as judged: the best sensors of the compartment</option>}
-          {suggestion.pulses.map((one) => <option key={one.key} value={one.key}>{one.label}</option>)}
+          {pulsesOf(suggestion, form.channel.key).map((one) => <option key={one.key} value={one.key}>{one.label}</option>)}
         </select>
       </label>
       <label class="field">Restraint

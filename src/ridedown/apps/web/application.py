@@ -22,7 +22,7 @@ from ridedown.apps.web.exports import DRAWN, export
 from ridedown.apps.web.guard import Guard
 from ridedown.apps.web.refusals import TooMuch, refusal
 from ridedown.apps.web.session import MOST_MESSAGE, Session
-from ridedown.apps.web.state import MOST_SESSIONS, Server
+from ridedown.apps.web.state import MOST_SESSIONS, MOST_UPLOADS, Server
 from ridedown.apps.web.studies import Studies
 from ridedown.apps.web.uploads import MOST_BYTES
 from ridedown.errors import InvalidInput, UnknownName
@@ -122,10 +122,16 @@ async def _answered(work: Any) -> Response:
 
 async def _upload(request: Request, server: Server, seconds: float) -> Response:
     name = unquote(request.headers.get("x-filename", "test.zip"))
-    content = await _body(request, MOST_BYTES, seconds)
-    await server.ready.wait()
-    loop = asyncio.get_running_loop()
-    return JSONResponse(await loop.run_in_executor(server.slow, server.uploads.add, content, name))
+    if server.uploading >= MOST_UPLOADS:
+        raise TooMuch(f"file: got one more than the {MOST_UPLOADS} that are on their way; need fewer. Send it again soon.")
+    server.uploading += 1
+    try:
+        content = await _body(request, MOST_BYTES, seconds)
+        await server.ready.wait()
+        loop = asyncio.get_running_loop()
+        return JSONResponse(await loop.run_in_executor(server.reading, server.uploads.add, content, name))
+    finally:
+        server.uploading -= 1
 
 
 async def _export(request: Request, server: Server) -> Response:

@@ -15,6 +15,8 @@ from ridedown.apps.web.studies import Studies
 from ridedown.apps.web.uploads import Uploads
 
 MOST_SESSIONS = 64
+MOST_UPLOADS = 8
+"""Uploads that are received, or wait to be read, at once: each may be held in memory whole."""
 MOST_DRAWINGS = 16
 """Reports that are drawn or wait to be."""
 
@@ -24,6 +26,7 @@ _Made = TypeVar("_Made")
 class Server:
     """One running server. Curves have threads of their own, so that no map, upload or report keeps a slider waiting.
 
+    Uploads are read one after the other, so that a flood of them keeps nothing else waiting.
     Figures and PDFs are made one after the other: a map does not wait for them, and what matplotlib is set to is one for all.
     """
 
@@ -33,6 +36,8 @@ class Server:
         self.slow = ThreadPoolExecutor(max(2, cores), thread_name_prefix="ridedown-slow")
         self.drawing = ThreadPoolExecutor(1, thread_name_prefix="ridedown-drawing")
         self.drawings = 0
+        self.reading = ThreadPoolExecutor(1, thread_name_prefix="ridedown-reading")
+        self.uploading = 0
         self.uploads = Uploads()
         self.fits = Fits(self.uploads)
         self.studies = studies
@@ -67,7 +72,7 @@ class Server:
         """Let go of the threads; what runs in them is not waited for."""
         self.studies.close()
         self.fits.close()
-        for pool in (self.quick, self.slow, self.drawing):
+        for pool in (self.quick, self.slow, self.drawing, self.reading):
             pool.shutdown(wait=False, cancel_futures=True)
 
 

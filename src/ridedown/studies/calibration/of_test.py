@@ -174,6 +174,8 @@ def calibration_of_test(
     kind, info = TEMPLATES[template], record.channel(channel)
     if not is_acceleration(info):
         raise InvalidInput(f"channel: got {info.key[:60]!r} in {info.unit!r}; need an acceleration. Choose another channel.")
+    if pulse and record.channel(pulse).key == info.key:
+        raise InvalidInput(f"pulse: got {info.key[:60]!r}, which is fitted; need a channel of the vehicle. Name another one.")
     numbers = {number.name: number for number in kind.numbers}
     bounds = {name: (one.low, one.high) for name, one in numbers.items()} if free is None else dict(free)
     for name in (*bounds, *(held or {})):
