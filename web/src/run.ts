@@ -63,7 +63,7 @@ function measure(began: number): void {
   });
 }
 
-const PAUSE = 90; // ms without a change, before tables are asked for
+const PAUSE = 150; // ms without a change, before tables are asked for
 
 /** What a run comes to, once it stays the same for a moment; `stale` until then. */
 export function useResults(live: Live, lane: string, run: Run | null): [Results | null, boolean] {

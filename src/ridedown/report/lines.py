@@ -95,7 +95,7 @@ def excursions(scenario: Scenario) -> list[Line]:
 def elements(scenario: Scenario, network: Network, *, crushing: bool) -> list[Line]:
     """The forces of what crushes, or of everything else."""
     curves = {Law.ELASTIC, Law.PLASTIC}
-    names = [name for name, law in zip(network.elements, network.law, strict=True) if (law in curves) == crushing]
+    names = [name for name, law in zip(network.elements, network.law.tolist(), strict=True) if (law in curves) == crushing]
     of_occupants = not crushing and bool(getattr(scenario, "occupants", ()))
     return [Line(name, f"{name}.force", i) for i, name in enumerate(names, 2 if of_occupants else 0)]
 

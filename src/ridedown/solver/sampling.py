@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import perm
 
 import numpy as np
 
@@ -18,10 +19,13 @@ _SOURCE = {
 }  # fmt: skip
 """The series that a family is read from (0 position, 1 deflection, 2 force), and how often it is differentiated."""
 
+_FALLING = np.array([[perm(order + times, times) for order in range(ORDERS)] for times in range(3)], dtype=np.float64)
+"""[times, order]: what the power order + times is multiplied by when it is differentiated so often."""
+
 
 def sampled(phases: Phases, channels: Sequence[Channel], times: Floats) -> Floats:
     """Channels (C) at times (T,) [s] within the crash, shape (C, T), SI; at an event, the values just after it."""
-    values = np.empty((len(channels), times.size))
+    values = np.empty((times.size, len(channels)))
     phase = np.clip(np.searchsorted(phases.start, times, side="right") - 1, 0, phases.start.size - 1)
     terms = [_terms(phases, channel) for channel in channels]
     table = np.array([term for each in terms for term in each]).reshape(-1, 4)
@@ -38,10 +42,10 @@ def sampled(phases: Phases, channels: Sequence[Channel], times: Floats) -> Float
         np.array([channel.constant for channel in channels]),
         phase,
         times - phases.start[phase],
-        np.empty(ORDERS),
+        np.empty((ORDERS, len(channels))),
         values,
     )
-    return values
+    return np.ascontiguousarray(values.T)
 
 
 def _terms(phases: Phases, channel: Channel) -> list[tuple[int, int, int, float]]:
@@ -57,33 +61,32 @@ def _terms(phases: Phases, channel: Channel) -> list[tuple[int, int, int, float]
 @kernel
 def _sample(
     position: Cube, deflection: Cube, force: Cube, start: Ints, source: Ints, index: Ints, derivative: Ints, weight: Floats,
-    constant: Floats, phase: Ints, local: Floats, series: Floats, values: Table,
+    constant: Floats, phase: Ints, local: Floats, series: Table, values: Table,
 ) -> None:  # fmt: skip
-    """Into `values` (C, T): channel c is the sum of terms start[c] .. start[c + 1], at times `local` (T,) in their phases.
+    """Into `values` (T, C): channel c is the sum of terms start[c] .. start[c + 1], at times `local` (T,) in their phases.
 
-    `series` is room for the polynomial of one channel in one phase.
+    `series` is room for the polynomials of all channels in one phase, (order, C): evaluated side by side, they are vectors.
     """
-    for c in range(values.shape[0]):
-        last = -1
-        for t in range(values.shape[1]):
-            if phase[t] != last:
-                last = phase[t]
-                for order in range(ORDERS):
-                    series[order] = 0.0
-                series[0] = constant[c]
+    last = -1
+    for t in range(values.shape[0]):
+        if phase[t] != last:
+            last = phase[t]
+            for order in range(ORDERS):
+                for c in range(values.shape[1]):
+                    series[order, c] = 0.0
+            for c in range(values.shape[1]):
+                series[0, c] = constant[c]
                 for term in range(start[c], start[c + 1]):
                     own = position
                     if source[term] == 1:
                         own = deflection
                     elif source[term] == 2:
                         own = force
-                    times = derivative[term]
+                    times, i = derivative[term], index[term]
                     for order in range(ORDERS - times):
-                        factor = weight[term]
-                        for k in range(times):
-                            factor *= order + 1 + k
-                        series[order] += factor * own[last, order + times, index[term]]
-            value = series[ORDERS - 1]
-            for order in range(ORDERS - 2, -1, -1):
-                value = value * local[t] + series[order]
-            values[c, t] = value
+                        series[order, c] += weight[term] * _FALLING[times, order] * own[last, order + times, i]
+        for c in range(values.shape[1]):
+            values[t, c] = series[ORDERS - 1, c]
+        for order in range(ORDERS - 2, -1, -1):
+            for c in range(values.shape[1]):
+                values[t, c] = values[t, c] * local[t] + series[order, c]

@@ -4,9 +4,11 @@ const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#c2578f", "#b87800", "#3b9fd4",
 const DARK = ["#5db4ee", "#ff8b4a", "#35c99a", "#ef9fd0", "#f0b429", "#9bd8fa", "#e8edf3"];
 const DASHES: number[][] = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
 
+const system = matchMedia("(prefers-color-scheme: dark)");
+
 export function isDark(): boolean {
   const chosen = document.documentElement.dataset.theme;
-  return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  return chosen ? chosen === "dark" : system.matches;
 }
 
 export function colour(index: number): string {
