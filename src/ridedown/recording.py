@@ -51,7 +51,7 @@ def knots(phases: Phases, series: Floats, tolerance: float) -> tuple[Floats, Flo
         local = np.linspace(0.0, phases.length[n], int(pieces[n]) + 1)
         begin, end = phases.start[n], phases.start[n] + phases.length[n]
         inside = [time - begin for _, time in tops if begin < time < end]
-        local = np.union1d(local, inside) if inside else local
+        local = np.array(sorted({*local.tolist(), *inside})) if inside else local
         times.append(begin + local)
         values.append(np.polynomial.polynomial.polyval(local, series[n]))
     return np.maximum.accumulate(np.concatenate(times)), np.concatenate(values)

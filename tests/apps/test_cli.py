@@ -98,6 +98,27 @@ def test_help_imports_nothing_heavy():
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.parametrize("name", ["p1", "example-offset", "sled-half-sine"])
+def test_a_later_run_imports_only_what_it_shows(name):
+    assert invoke("run", name).exit_code == 0  # what has to be compiled is
+    code = (
+        f"import sys; sys.argv = ['ridedown', 'run', '{name}']\n"
+        "from ridedown.apps.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        f"print([m for m in {NOT_IN_A_RUN} if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+NOT_IN_A_RUN = (
+    *("numba", "scipy", "matplotlib", "pyarrow", "duckdb", "jinja2", "ruamel.yaml", "numpy.ma", "rich.progress"),
+    *("ridedown.compiled.compiling", "ridedown.signals.formats", "ridedown.limits.measured", "ridedown.studies"),
+    *("ridedown.report.criteria_tables", "ridedown.report.figures", "ridedown.apps.first_run"),
+)
+
+
 @pytest.mark.parametrize(("arguments", "code"), [(["run", "no-such"], 2), (["nonsense"], 2), (["--version"], 0)])
 def test_exit_codes_of_the_process(arguments, code):
     done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, check=False)

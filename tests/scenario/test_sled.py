@@ -245,7 +245,7 @@ def test_a_file_is_read_once_until_it_changes(test_file, monkeypatch):
         reads.append(path)
         return read(path)
 
-    monkeypatch.setattr("ridedown.scenario.pulse_measured.read", counting)
+    monkeypatch.setattr("ridedown.signals.read", counting)
     scenario = sled(measured(test_file), speed=12)
     for _ in range(3):
         lower(substitute(scenario, {"adult.restraint.stiffness": [5e4, 6e4]}))

@@ -1,4 +1,7 @@
-"""Showing things in a terminal: tables and JSON on stdout, progress on stderr."""
+"""Showing things in a terminal: tables and JSON on stdout, progress on stderr.
+
+What a plain run does not show is imported where it is shown.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +13,18 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 from rich.table import Table as RichTable
 from rich.text import Text
 
 from ridedown import catalogue
-from ridedown.report import criteria_tables, summary
+from ridedown.report import summary
 from ridedown.report.jsontext import json_text
 from ridedown.report.tables import Column, Table
 from ridedown.response import Response
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from ridedown.report.criteria import CriteriaReport
 
 _EVENTS_SHOWN = 40
@@ -45,6 +49,8 @@ def working(what: str) -> Iterator[None]:
 @contextmanager
 def progress(what: str, steps: int) -> Iterator[Callable[[str], None]]:
     """A progress bar on stderr; call what it yields with the name of each step done."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn  # noqa: PLC0415
+
     columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with Progress(*columns, console=console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=steps)
@@ -62,6 +68,8 @@ def searching(what: str) -> Iterator[Callable[[str, int, float], None]]:
 
 def rows_bar(rows: int) -> Progress:
     """A bar on stderr for so many rows, with one task; start and stop it."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn  # noqa: PLC0415
+
     bar = Progress(
         BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), console=console(stderr=True), transient=True
     )
@@ -107,6 +115,8 @@ def run_summary(response: Response) -> None:
 
 def criteria(report: CriteriaReport) -> None:
     """Print what the criteria of a test come to."""
+    from ridedown.report import criteria_tables  # noqa: PLC0415
+
     note(report.title)
     if report.description:
         note(report.description)

@@ -122,9 +122,9 @@ def evidence(source: TestRecord | Response | Evidence) -> Evidence:
 
     Raises: TypeError for anything else.
     """
-    from ridedown.limits.measured import RecordEvidence  # noqa: PLC0415  both build on this file
-
     if isinstance(source, TestRecord):
+        from ridedown.limits.measured import RecordEvidence  # noqa: PLC0415  builds on this file
+
         return RecordEvidence(source)
     from ridedown.response import Response  # noqa: PLC0415  heavy, and a record needs none of it
 

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from ridedown import criteria
+from ridedown import criteria, signals
 from ridedown.errors import InvalidInput
 from ridedown.report.tables import Column, Table, number
 from ridedown.scenario import Scenario, SledScenario
 from ridedown.scenario.pulse_measured import MeasuredPulse
 from ridedown.scenario.pulse_motion import PulseMotion
-from ridedown.signals import TestRecord, TimeHistory, write
-from ridedown.signals.history import Floats
+from ridedown.signals.history import Floats, TimeHistory
 from ridedown.signals.keyword import SUFFIXES, define_curve, write_keyword
+from ridedown.signals.record import TestRecord
 
 _KMH, _MS = 3.6, 1e3
 _SLED = "Vehicle, as prescribed"
@@ -180,5 +180,5 @@ def _write_table(path: Path, motion: PulseMotion, name: str, vehicle: str) -> in
     acceleration = np.append(acceleration[:-1], motion.before(time[-1:])[0])  # what comes after the end is not of it
     made = (("acceleration", acceleration, "m/s2"), ("velocity", velocity, "m/s"), ("displacement", displacement, "m"))
     histories = [TimeHistory(values, unit, interval=step, name=f"{vehicle}.{what}") for what, values, unit in made]
-    write(TestRecord.of(histories, identifier=name, title=f"{name}, by ridedown", format="pulse"), path)
+    signals.write(TestRecord.of(histories, identifier=name, title=f"{name}, by ridedown", format="pulse"), path)
     return int(time.size)

@@ -12,18 +12,16 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, StrictBool, WithJsonSchema
 
-from ridedown import network
+from ridedown import network, signals
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.base import Check
 from ridedown.scenario.pulse import OwnPulse, brakes, one_of, same_in_all
 from ridedown.scenario.pulse_reduction import reduced
 from ridedown.scenario.pulse_shapes import Floats, through
 from ridedown.scenario.quantities import Duration, Factor, Number, RecordTime, Refused
-from ridedown.signals import filtered, mean, read, reversed_sign, trimmed, zeroed
-from ridedown.signals.ev5 import SUFFIX as EV5
+from ridedown.signals import filtered, mean, reversed_sign, trimmed, zeroed
 from ridedown.signals.filters import Standard
 from ridedown.signals.history import TimeHistory
-from ridedown.signals.isomme import SUFFIX as MME
 from ridedown.signals.record import TestRecord
 
 _KEPT = 32  # pulses kept in memory; a study varies the restraint on one or a few
@@ -175,7 +173,7 @@ def _stamp(path: Path) -> tuple[tuple[str, int, int], ...]:
     try:
         if path.is_dir():
             return tuple(sorted(_files(path, deep=True)))
-        if path.suffix.lower() in {EV5, MME}:  # its curves are beside it
+        if path.suffix.lower() in signals.HEADERS:  # its curves are beside it
             return tuple(sorted(_files(path.parent, deep=False)))
         found = path.stat()
         return ((str(path), found.st_mtime_ns, found.st_size),)
@@ -197,7 +195,7 @@ def _files(folder: str | Path, *, deep: bool) -> Iterator[tuple[str, int, int]]:
 
 def _record(path: Path) -> TestRecord:
     try:
-        return read(path)
+        return signals.read(path)
     except InvalidInput as problem:
         if not path.exists():
             raise Refused(

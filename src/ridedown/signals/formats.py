@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from ridedown.signals.files import Tree
     from ridedown.signals.record import TestRecord
 
+HEADERS = frozenset({ev5.SUFFIX, isomme.SUFFIX})
+"""How the names of files end whose channels are in files beside them."""
+
 _PARQUET = b"PAR1"
 _KNOWN = "NHTSA EV5 (*.EV5), ISO-MME (*.mme), CSV or TSV (*.csv, *.tsv, *.txt), Parquet (*.parquet)"
 
