@@ -33,7 +33,7 @@ export interface SliderInfo {
   path: string; group: string; label: string; value: number; unit: string; low: number; high: number; first: boolean;
 }
 
-export interface OutcomeInfo { name: string; label: string; unit: string; limit: number | null }
+export interface OutcomeInfo { name: string; label: string; unit: string; limit: number | null; bound: string | null }
 
 export interface ScenarioInfo {
   kind: "scenario"; of: string; name: string; description: string; sliders: SliderInfo[]; outcomes: OutcomeInfo[]; toml: string;
@@ -59,6 +59,14 @@ export interface Results {
 export interface CrashMap {
   kind: "map"; x: string; y: string; outcome: OutcomeInfo; crashes: number; failed: number; refused: number; why: string;
   xs: Float64Array; ys: Float64Array; values: Float32Array;
+}
+
+/** Beside the map: the least peak that any restraint could give each of its crashes, and the excursion that each has. */
+export interface BoundMap { kind: "bound"; body: string; room: number | null; xs: Float64Array; ys: Float64Array; least: Float32Array; excursion: Float32Array }
+
+export interface BoundHere {
+  kind: "bound-here"; body: string; room: number | null; outcome: number; peak: number; excursion: number; rearward: number;
+  within: number; least: number; needs: number; holds: boolean;
 }
 
 export interface TestInfo {

@@ -13,7 +13,7 @@ export interface State {
   time: number; // s
   who: string; // occupant in the side view
   all: boolean; // every slider
-  map: { x: string; y: string; outcome: string; limit: number | null };
+  map: { x: string; y: string; outcome: string; limit: number | null; bound: boolean; room: number | null };
   test: { test: string; channels: string[]; cfc: number | null; fit: FitAsked | null };
   study: string; // its name; none where a new one is made
   kind: string; // of a new study
@@ -36,7 +36,7 @@ export const START: State = {
   time: 0.06,
   who: "",
   all: false,
-  map: { x: "", y: "", outcome: "", limit: null },
+  map: { x: "", y: "", outcome: "", limit: null, bound: true, room: null },
   test: { test: "", channels: [], cfc: 60, fit: null },
   study: "",
   kind: "sweep",
@@ -55,9 +55,11 @@ export async function write(state: State): Promise<string> {
   if (state.who) found.set("who", state.who);
   if (state.all) found.set("all", "1");
   if (state.view === "map") {
-    const { x, y, outcome, limit } = state.map;
+    const { x, y, outcome, limit, bound, room } = state.map;
     for (const [key, value] of Object.entries({ x, y, outcome })) if (value) found.set(key, value);
     if (limit !== null) found.set("limit", String(limit));
+    if (!bound) found.set("bound", "0");
+    if (room !== null) found.set("room", String(room));
   }
   if (state.view === "study") {
     if (state.study) found.set("study", state.study);
@@ -83,7 +85,7 @@ export async function read(hash: string): Promise<State> {
     time: number("t") ?? START.time,
     who: found.get("who") ?? "",
     all: found.get("all") === "1",
-    map: { x: found.get("x") ?? "", y: found.get("y") ?? "", outcome: found.get("outcome") ?? "", limit: number("limit") },
+    map: { x: found.get("x") ?? "", y: found.get("y") ?? "", outcome: found.get("outcome") ?? "", limit: number("limit"), bound: found.get("bound") !== "0", room: number("room") },
     test: {
       test: found.get("test") ?? "",
       channels: found.getAll("channel"),

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from ridedown.motion import motion_of
 from ridedown.scenario import dump, load, substitute
 from ridedown.signals import read, write
 from ridedown.simulation import simulate
 from ridedown.studies import calibrate
+from ridedown.studies.bound import Limiting, gap_of
 from ridedown.studies.calibration.of_test import calibration_of_test
 from ridedown.studies.calibration.wording import in_words
 from tests.apps.web.running import Running, running
@@ -248,9 +250,36 @@ def test_the_map_goes_where_it_is_clicked(watched: Watched) -> None:
     page.wait_for_selector("figcaption:has-text('driver, excursion, mm')")
     page.get_by_label("Limit, mm").fill("300")
     page.get_by_label("Limit, mm").press("Enter")
-    page.wait_for_selector("figcaption:has-text('limit 300 mm')")
+    page.wait_for_selector(".map .legend:has-text('limit 300 mm')")
     page.get_by_role("button", name="See this crash").click()
     page.wait_for_selector(".results table")
+
+
+def test_the_map_shows_what_physics_allows(watched: Watched) -> None:
+    page = watched.open("#/map?s=example-offset&v.driver.restraint.slack=0.03", wait=SHOWN["map"])
+    page.wait_for_selector(".map .legend:has-text('within the excursion that each crash has')", timeout=4 * SOON)
+    response = simulate(substitute(load("example-offset"), {"driver.restraint.slack": 0.03}))
+    found = gap_of(response, "driver")
+    design = f"This design {found.design.peak / G:.1f} g"
+    within = f"{1e3 * found.design.excursion:.0f} mm"
+    page.wait_for_selector(f".physics:has-text('{design}, physics allows {found.bound.peak_g:.1f} g within {within}.')")
+    assert f"{1.0 / found.ratio:.2f} times the least possible" in page.locator(".physics").inner_text()
+    page.get_by_label("Excursion allowed, mm").fill("250")
+    page.get_by_label("Excursion allowed, mm").press("Enter")
+    page.wait_for_selector(".map .legend:has-text('excursion of 250 mm')", timeout=4 * SOON)
+    least = Limiting(motion_of(response, "vehicle1"), horizon=response.end_time).bound(0.25)
+    page.wait_for_selector(f".physics:has-text('{design}, physics allows {least.peak_g:.1f} g within 250 mm.')")
+    assert f"The design uses {within}: more than is allowed" in page.locator(".physics").inner_text()
+    page.wait_for_timeout(300)
+    other = watched.open("#" + page.url.partition("#")[2], wait=".map .legend:has-text('excursion of 250 mm')")
+    other.wait_for_selector(".physics:has-text('more than is allowed')")
+    assert other.locator(".physics").inner_text() == page.locator(".physics").inner_text()
+    page.get_by_label("Outcome").select_option("driver.excursion.max")
+    page.wait_for_selector(".physics:has-text('does not apply to this outcome')")
+    page.get_by_label("What physics allows").uncheck()
+    page.wait_for_timeout(300)
+    assert "bound=0" in page.url
+    assert page.locator(".physics").inner_text().strip() == "What physics allows"
 
 
 def test_a_measured_test_is_dropped_and_becomes_a_sled(watched: Watched, measured: Path, tmp_path: Path) -> None:

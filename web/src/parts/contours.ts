@@ -21,6 +21,28 @@ export function contours(values: ArrayLike<number>, nx: number, ny: number, leve
   return found;
 }
 
+/** The same pieces joined into lines, each a list of points: what dashes need. */
+export function joined(pieces: [number, number, number, number][]): [number, number][][] {
+  const key = (x: number, y: number) => `${x.toFixed(6)},${y.toFixed(6)}`;
+  const at = new Map<string, number[]>();
+  pieces.forEach(([x1, y1, x2, y2], i) => {
+    for (const end of [key(x1, y1), key(x2, y2)]) at.set(end, [...(at.get(end) ?? []), i]);
+  });
+  const used = new Set<number>();
+  const walk = (x: number, y: number): [number, number][] => {
+    const line: [number, number][] = [];
+    for (;;) {
+      const next = at.get(key(x, y))?.find((i) => !used.has(i));
+      if (next === undefined) return line;
+      used.add(next);
+      const [x1, y1, x2, y2] = pieces[next]!;
+      [x, y] = key(x1, y1) === key(x, y) ? [x2, y2] : [x1, y1];
+      line.push([x, y]);
+    }
+  };
+  return pieces.flatMap(([x1, y1], i) => (used.has(i) ? [] : [[...walk(x1, y1).reverse(), [x1, y1] as [number, number], ...walk(x1, y1)]]));
+}
+
 /** Round numbers from low to high, about so many. */
 export function niceSteps(low: number, high: number, about: number): number[] {
   const rough = (high - low) / about;

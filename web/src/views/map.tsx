@@ -1,11 +1,12 @@
 /** The map: ten thousand crashes over two parameters, as colours and contours, with the limit and the point where we are. */
 import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { ViewProps } from "../app";
+import { type BoundOf, BoundPanel, useBoundHere, useBoundMap } from "../parts/bound";
 import { isDark, variable } from "../parts/colours";
-import { contours, niceSteps } from "../parts/contours";
+import { contours, joined, niceSteps } from "../parts/contours";
 import { RequestRefused } from "../socket";
 import { useScenario } from "../run";
-import type { CrashMap, OutcomeInfo, SliderInfo } from "../types";
+import type { BoundMap, CrashMap, OutcomeInfo, SliderInfo } from "../types";
 import { digits, show, shownUnit, typed } from "../units";
 import { asked } from "../url";
 
@@ -36,6 +37,11 @@ export function MapView({ live, state, change, theme }: ViewProps) {
     );
   }, [choice?.x.path, choice?.y.path, choice?.outcome.name, run.scenario, run.toml, others]);
 
+  const { bound: on, room } = state.map;
+  const of: BoundOf | null = on && choice ? { run, x: choice.x.path, y: choice.y.path, outcome: choice.outcome, room, others } : null;
+  const [bound, bounding] = useBoundMap(live, of);
+  const [boundHere, noBound] = useBoundHere(live, of);
+
   const go = useCallback((x: number, y: number) => {
     if (choice) change({ run: { ...run, values: { ...run.values, [choice.x.path]: x, [choice.y.path]: y } } });
   }, [choice, run]);
@@ -60,12 +66,14 @@ export function MapView({ live, state, change, theme }: ViewProps) {
         <Limit outcome={outcome} limit={limit} onChange={(limit) => set({ limit })} />
         <Point info={x} value={at.x} onChange={(value) => go(value, at.y)} />
         <Point info={y} value={at.y} onChange={(value) => go(at.x, value)} />
-        {map && map.outcome.name === outcome.name && <p role="status">Here: <b>{show(valueAt(map, at.x, at.y), outcome.unit)}</b>{limit !== null && ` (limit ${show(limit, outcome.unit)})`}</p>}
+        {map && map.outcome.name === outcome.name && <p role="status">Here: <b>{show(boundHere?.outcome ?? valueAt(map, at.x, at.y), outcome.unit)}</b>{limit !== null && ` (limit ${show(limit, outcome.unit)})`}</p>}
+        <BoundPanel outcome={outcome} on={on} room={room} here={boundHere} trouble={noBound} busy={bounding}
+          onSwitch={(on) => set({ bound: on })} onRoom={(room) => set({ room })} />
         <p><button type="button" onClick={() => change({ view: "crash" })}>See this crash</button></p>
         {trouble && <p class="refused" role="alert">{trouble}</p>}
       </aside>
       <div class="stage">
-        {map && <Drawing map={map} x={x} y={y} at={at} limit={limit} theme={theme} onGo={go} />}
+        {map && <Drawing map={map} x={x} y={y} at={at} limit={limit} bound={bound} theme={theme} onGo={go} />}
         {map && <p class="quiet">{map.crashes.toLocaleString("en")} crashes{map.failed ? `, ${map.failed} of them not solved to their end` : ""}{map.refused ? `; ${map.refused.toLocaleString("en")} left out: ${map.why}` : ""}. Click to go there, or use the arrow keys.</p>}
       </div>
     </div>
@@ -124,11 +132,11 @@ function valueAt(map: CrashMap, x: number, y: number): number {
 }
 
 interface DrawingProps {
-  map: CrashMap; x: SliderInfo; y: SliderInfo; at: { x: number; y: number }; limit: number | null; theme: string;
+  map: CrashMap; x: SliderInfo; y: SliderInfo; at: { x: number; y: number }; limit: number | null; bound: BoundMap | null; theme: string;
   onGo: (x: number, y: number) => void;
 }
 
-function Drawing({ map, x, y, at, limit, theme, onGo }: DrawingProps) {
+function Drawing({ map, x, y, at, limit, bound, theme, onGo }: DrawingProps) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [width, setWidth] = useState(700);
   const height = Math.round(Math.max(300, Math.min(620, 0.68 * width)));
@@ -142,7 +150,8 @@ function Drawing({ map, x, y, at, limit, theme, onGo }: DrawingProps) {
   const px = (value: number) => LEFT + ((value - low.x) / (high.x - low.x)) * inner.width;
   const py = (value: number) => TOP + (1 - (value - low.y) / (high.y - low.y)) * inner.height;
 
-  useEffect(() => draw(canvas.current!, map, limit, width, height), [map, limit, width, height, theme]);
+  const shownBound = bound && bound.least.length === map.values.length && bound.body === map.outcome.bound ? bound : null;
+  useEffect(() => draw(canvas.current!, map, limit, shownBound, width, height), [map, limit, shownBound, width, height, theme]);
 
   const toValues = (left: number, top: number) => onGo(
     clamp(low.x + ((left - LEFT) / inner.width) * (high.x - low.x), low.x, high.x),
@@ -158,7 +167,7 @@ function Drawing({ map, x, y, at, limit, theme, onGo }: DrawingProps) {
   const words = `Map of ${map.outcome.label}: here ${show(valueAt(map, at.x, at.y), map.outcome.unit)}, with ${x.group} ${x.label} ${show(at.x, x.unit, x.path)} and ${y.group} ${y.label} ${show(at.y, y.unit, y.path)}.`;
   return (
     <figure class="map">
-      <figcaption>{map.outcome.label}, {shownUnit(map.outcome.unit).unit}{limit !== null && <span class="quiet"> · thick line: limit {show(limit, map.outcome.unit)}; hatched: beyond it</span>}</figcaption>
+      <figcaption>{map.outcome.label}, {shownUnit(map.outcome.unit).unit}</figcaption>
       <div class="map-area" style={{ height: `${height}px` }}>
         <canvas ref={canvas} tabIndex={0} role="application" aria-label={`${words} Arrow keys move.`} onKeyDown={step}
           onPointerDown={(event) => { const box = event.currentTarget.getBoundingClientRect(); toValues(event.clientX - box.left, event.clientY - box.top); }} />
@@ -177,8 +186,17 @@ function Drawing({ map, x, y, at, limit, theme, onGo }: DrawingProps) {
         </svg>
       </div>
       <ColourBar map={map} />
+      <ul class="legend">
+        {limit !== null && <li><Line className="limit" /> limit {show(limit, map.outcome.unit)}; {extremes(map.values)[1] > limit ? "hatched: beyond it" : "no crash here is beyond it"}</li>}
+        {shownBound && <li><Line className="bound" /> times the least that any restraint could give{shownBound.room === null ? " within the excursion that each crash has" : ` within ${show(shownBound.room, "m")}`}</li>}
+        {shownBound && shownBound.room !== null && <li><Line className="room" /> excursion of {show(shownBound.room, "m")}; hatched the other way: more than is allowed</li>}
+      </ul>
     </figure>
   );
+}
+
+function Line({ className }: { className: string }) {
+  return <svg class={`key ${className}`} width="26" height="10" aria-hidden="true"><line x1="1" x2="25" y1="5" y2="5" /></svg>;
 }
 
 function clamp(value: number, low: number, high: number): number {
@@ -203,7 +221,7 @@ function extremes(values: Float32Array): [number, number] {
   return low <= high ? [low, high === low ? low + (Math.abs(low) || 1) : high] : [0, 1];
 }
 
-function draw(canvas: HTMLCanvasElement, map: CrashMap, limit: number | null, width: number, height: number): void {
+function draw(canvas: HTMLCanvasElement, map: CrashMap, limit: number | null, bound: BoundMap | null, width: number, height: number): void {
   const ratio = devicePixelRatio || 1, nx = map.xs.length, ny = map.ys.length;
   canvas.width = width * ratio;
   canvas.height = height * ratio;
@@ -236,6 +254,7 @@ function draw(canvas: HTMLCanvasElement, map: CrashMap, limit: number | null, wi
     trace(pen, lines, toX, toY, "rgba(255,255,255,.75)", 1);
     label(pen, lines, toX, toY, digits(level), inner);
   }
+  if (bound) drawBound(pen, map, bound, toX, toY, inner);
   if (limit !== null) {
     hatch(pen, map.values, nx, ny, limit, toX, toY);
     const lines = contours(map.values, nx, ny, limit);
@@ -243,6 +262,42 @@ function draw(canvas: HTMLCanvasElement, map: CrashMap, limit: number | null, wi
     trace(pen, lines, toX, toY, variable("--limit"), 3);
   }
 }
+
+const MOST_TIMES = 12; // the least; beyond it the lines only crowd
+
+/** How many times the least possible: dashed lines; and, where a room is given, the edge of it. */
+function drawBound(pen: CanvasRenderingContext2D, map: CrashMap, bound: BoundMap, toX: Place, toY: Place, inner: Size): void {
+  const nx = map.xs.length, ny = map.ys.length;
+  const times = map.values.map((value, i) => (bound.least[i]! > 0 ? value / bound.least[i]! : NaN));
+  const [low, high] = extremes(times);
+  for (const level of niceSteps(low, Math.min(high, MOST_TIMES), 5)) {
+    const lines = contours(times, nx, ny, level);
+    dashed(pen, lines, toX, toY, "#000", 3.5, []);
+    dashed(pen, lines, toX, toY, "#7df9ff", 2, [7, 5]);
+    label(pen, lines, toX, toY, `${digits(level, 3)}×`, inner, { ground: "#7df9ff", ink: "#000", at: 0.72 });
+  }
+  if (bound.room === null) return;
+  hatch(pen, bound.excursion, nx, ny, bound.room, toX, toY, true);
+  const edge = contours(bound.excursion, nx, ny, bound.room);
+  dashed(pen, edge, toX, toY, "#000", 5, []);
+  dashed(pen, edge, toX, toY, "#fff", 2.5, [2, 4]);
+}
+
+function dashed(pen: CanvasRenderingContext2D, pieces: Lines, toX: Place, toY: Place, paint: string, wide: number, dashes: number[]): void {
+  pen.save();
+  pen.strokeStyle = paint;
+  pen.lineWidth = wide;
+  pen.lineJoin = "round";
+  pen.setLineDash(dashes);
+  for (const line of joined(pieces)) {
+    pen.beginPath();
+    line.forEach(([x, y], i) => (i ? pen.lineTo(toX(x), toY(y)) : pen.moveTo(toX(x), toY(y))));
+    pen.stroke();
+  }
+  pen.restore();
+}
+
+interface Size { width: number; height: number }
 
 type Lines = [number, number, number, number][];
 type Place = (index: number) => number;
@@ -259,33 +314,34 @@ function trace(pen: CanvasRenderingContext2D, lines: Lines, toX: Place, toY: Pla
   pen.stroke();
 }
 
-/** One label to a level, where its line is nearest the middle. */
-function label(pen: CanvasRenderingContext2D, lines: Lines, toX: Place, toY: Place, text: string, inner: { width: number; height: number }): void {
+/** One label to a level, where its line is nearest the middle, or so far across and up. */
+function label(pen: CanvasRenderingContext2D, lines: Lines, toX: Place, toY: Place, text: string, inner: Size,
+  { ground = "rgba(0,0,0,.55)", ink = "#fff", at = 0.5 } = {}): void {
   let best: [number, number] | null = null, nearest = Infinity;
   for (const [i, j] of lines) {
     const x = toX(i), y = toY(j);
     const inside = x > LEFT + 22 && x < LEFT + inner.width - 22 && y > TOP + 12 && y < TOP + inner.height - 12;
-    const away = Math.hypot(x - LEFT - 0.5 * inner.width, y - TOP - 0.5 * inner.height);
+    const away = Math.hypot(x - LEFT - at * inner.width, y - TOP - (1 - at) * inner.height);
     if (inside && away < nearest) [best, nearest] = [[x, y], away];
   }
   if (!best) return;
   const wide = pen.measureText(text).width + 8;
-  pen.fillStyle = "rgba(0,0,0,.55)";
+  pen.fillStyle = ground;
   pen.fillRect(best[0] - wide / 2, best[1] - 8, wide, 16);
-  pen.fillStyle = "#fff";
+  pen.fillStyle = ink;
   pen.fillText(text, ...best);
 }
 
 /** Strokes where the limit is exceeded: it reads without colour. */
-function hatch(pen: CanvasRenderingContext2D, values: Float32Array, nx: number, ny: number, limit: number, toX: Place, toY: Place): void {
+function hatch(pen: CanvasRenderingContext2D, values: Float32Array, nx: number, ny: number, limit: number, toX: Place, toY: Place, back = false): void {
   pen.strokeStyle = "rgba(255,255,255,.5)";
   pen.lineWidth = 1;
   pen.beginPath();
   for (let j = 0; j < ny - 1; j += 2) {
     for (let i = (j / 2) % 2 ? 1 : 0; i < nx - 1; i += 2) {
       if (!(values[j * nx + i]! > limit)) continue;
-      pen.moveTo(toX(i), toY(j));
-      pen.lineTo(toX(i + 1), toY(j + 1));
+      pen.moveTo(toX(i), toY(back ? j + 1 : j));
+      pen.lineTo(toX(i + 1), toY(back ? j : j + 1));
     }
   }
   pen.stroke();

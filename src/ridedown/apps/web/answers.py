@@ -53,6 +53,20 @@ def crash_map(message: Message) -> Answer:
     return maps.crash_map(scenario_of(message), message)
 
 
+def bound(message: Message) -> Answer:
+    """The least that any restraint could give, for the crashes of a map (see `bounds`)."""
+    from ridedown.apps.web import bounds  # noqa: PLC0415  needs scipy's splines
+
+    return bounds.bound_map(scenario_of(message), message)
+
+
+def bound_here(message: Message) -> Answer:
+    """One crash beside its bound (see `bounds`)."""
+    from ridedown.apps.web import bounds  # noqa: PLC0415
+
+    return bounds.bound_here(scenario_of(message), message)
+
+
 def paper(_message: Message) -> Answer:
     """The founding paper's figures, numbers and trends, simulated once a server."""
     return _paper()

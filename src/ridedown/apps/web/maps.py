@@ -24,7 +24,7 @@ _CHEST_LIMIT = 60.0 * G  # m/s2, as the founding paper has it of FMVSS 208: of t
 
 
 def outcomes(scenario: Scenario) -> list[dict[str, Any]]:
-    """What a map can show: outcomes with their unit, and a limit [SI] where one is usual."""
+    """What a map can show: outcomes with their unit, a limit [SI] where one is usual, and whose `bound` they have."""
     found: list[tuple[str, str, str, float | None]] = []
     if isinstance(scenario, NetworkScenario):
         for body in scenario.masses:
@@ -43,7 +43,17 @@ def outcomes(scenario: Scenario) -> list[dict[str, Any]]:
             found.append((f"{vehicle}.acceleration.peak", f"{vehicle}, peak acceleration", "m/s2", None))
             found.append((f"{vehicle}.velocity.change", f"{vehicle}, delta-v", "m/s", None))
             found.append((f"{vehicle}.displacement.max", f"{vehicle}, largest displacement", "m", None))
-    return [{"name": name, "label": label, "unit": unit, "limit": limit} for name, label, unit, limit in found]
+    riding = {name for one in getattr(scenario, "occupants", ()) for name in one.mass_names}
+    return [
+        {"name": name, "label": label, "unit": unit, "limit": limit, "bound": _bounded(name, riding)}
+        for name, label, unit, limit in found
+    ]
+
+
+def _bounded(outcome: str, riding: set[str]) -> str | None:
+    """The occupant, or the mass of one, whose peak acceleration an outcome is: its bound is known (see `bounds`)."""
+    body = outcome.removesuffix(".acceleration.peak")
+    return body if body != outcome and body in riding else None
 
 
 def crash_map(scenario: Scenario, message: Mapping[str, Any]) -> Frame:
@@ -60,17 +70,10 @@ def crash_map(scenario: Scenario, message: Mapping[str, Any]) -> Frame:
     outcome = str(message.get("outcome"))[:200]
     if outcome not in known:
         raise UnknownName.among("outcome", outcome, known)
-    first, second = (_path(message, axis, ends(scenario)) for axis in ("x", "y"))
-    if first == second:
-        raise InvalidInput(f"y: got {second}, the parameter of x too; need two different ones. Choose another.")
-    x, y = (_column(message, axis, ends(scenario)[path], side) for axis, path in (("x", first), ("y", second)))
+    (first, x), (second, y) = axes(scenario, message, side)
     table = {first: np.tile(x, side), second: np.repeat(y, side)}
-    allowed, why = _allowed(scenario, table)
-    values = np.full(side * side, np.nan)
-    if allowed.any():
-        rows = {path: column[allowed] for path, column in table.items()}
-        many = simulate_many(_concerned(scenario, {outcome, first, second}), rows, outcomes=[outcome], threads=2)
-        values[allowed] = np.where(many.completed, np.abs(many[outcome]), np.nan)
+    allowed, why = allowed_rows(scenario, table)
+    values = solved(concerned(scenario, {outcome, first, second}), table, allowed, outcome, threads=2)
     header = {
         "kind": "map",
         "x": first,
@@ -81,10 +84,32 @@ def crash_map(scenario: Scenario, message: Mapping[str, Any]) -> Frame:
         "refused": int(np.count_nonzero(~allowed)),
         "why": why,
     }
-    return header, {"x": x, "y": y, "outcome": finite(values.reshape(side, side))}
+    return header, {"x": x, "y": y, "outcome": finite(np.abs(values).reshape(side, side))}
 
 
-def _allowed(scenario: Scenario, table: Mapping[str, Floats]) -> tuple[NDArray[np.bool_], str]:
+def solved(
+    scenario: Scenario, table: Mapping[str, Floats], allowed: NDArray[np.bool_], outcome: str, *, threads: int
+) -> Floats:
+    """An outcome of every row of a table (R,), NaN where a row is not allowed, or was not solved to its end."""
+    values = np.full(allowed.size, np.nan)
+    if allowed.any():
+        rows = {path: column[allowed] for path, column in table.items()}
+        many = simulate_many(scenario, rows, outcomes=[outcome], threads=threads)
+        values[allowed] = np.where(many.completed, many[outcome], np.nan)
+    return values
+
+
+def axes(scenario: Scenario, message: Mapping[str, Any], side: int) -> tuple[tuple[str, Floats], tuple[str, Floats]]:
+    """The parameters of `x` and `y`, each with its values (side,). Raises: InvalidInput, UnknownName."""
+    known = ends(scenario)
+    first, second = (_path(message, axis, known) for axis in ("x", "y"))
+    if first == second:
+        raise InvalidInput(f"y: got {second}, the parameter of x too; need two different ones. Choose another.")
+    x, y = (_column(message, axis, known[path], side) for axis, path in (("x", first), ("y", second)))
+    return (first, x), (second, y)
+
+
+def allowed_rows(scenario: Scenario, table: Mapping[str, Floats]) -> tuple[NDArray[np.bool_], str]:
     """The rows that may be simulated, and the rule that most of the others break."""
     broken = broken_rules(scenario, table)
     allowed = np.ones(next(iter(table.values())).size, dtype=np.bool_)
@@ -93,7 +118,7 @@ def _allowed(scenario: Scenario, table: Mapping[str, Floats]) -> tuple[NDArray[n
     return allowed, max(broken, key=lambda rule: np.count_nonzero(broken[rule]), default="")
 
 
-def _concerned(scenario: Scenario, names: set[str]) -> Scenario:
+def concerned(scenario: Scenario, names: set[str]) -> Scenario:
     """The scenario without the occupants that no name is of, and who push on nothing: they change nobody's motion."""
     if isinstance(scenario, NetworkScenario):
         return scenario

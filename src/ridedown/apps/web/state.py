@@ -34,6 +34,7 @@ class Server:
         cores = os.cpu_count() or 1
         self.quick = ThreadPoolExecutor(max(2, cores), thread_name_prefix="ridedown-quick")
         self.slow = ThreadPoolExecutor(max(2, cores), thread_name_prefix="ridedown-slow")
+        self.bounding = ThreadPoolExecutor(1, thread_name_prefix="ridedown-bounding")  # seconds each: a map goes before
         self.drawing = ThreadPoolExecutor(1, thread_name_prefix="ridedown-drawing")
         self.drawings = 0
         self.reading = ThreadPoolExecutor(1, thread_name_prefix="ridedown-reading")
@@ -72,7 +73,7 @@ class Server:
         """Let go of the threads; what runs in them is not waited for."""
         self.studies.close()
         self.fits.close()
-        for pool in (self.quick, self.slow, self.drawing, self.reading):
+        for pool in (self.quick, self.slow, self.bounding, self.drawing, self.reading):
             pool.shutdown(wait=False, cancel_futures=True)
 
 
