@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 from ridedown.motion import motion_of
@@ -134,9 +135,48 @@ def test_every_slider_redraws_every_plot(watched: Watched) -> None:
     assert len(said) == 7
     slide(page, "vehicle2.speed", 20.0)
     settled(page)
-    after = page.locator(".plot [role=img]").evaluate_all("all => all.map((one) => one.ariaLabel)")
-    assert all(a != b for a, b in zip(said, after, strict=True))
+    page.wait_for_function(  # those out of sight follow when the hand rests
+        "said => [...document.querySelectorAll('.plot [role=img]')].every((one, i) => one.ariaLabel !== said[i])", arg=said
+    )
     assert page.evaluate("performance.getEntriesByName('ridedown:redraw').length") >= 1
+
+
+NOTE_LINES = """
+window.lines = [];
+for (const name of ["moveTo", "lineTo"]) {
+  const draw = Path2D.prototype[name];
+  Path2D.prototype[name] = function (x, y) {
+    if (!this.points) lines.push((this.points = []));
+    this.points.push([x, y]);
+    draw.call(this, x, y);
+  };
+}
+"""
+
+
+def test_lines_go_through_few_points_and_past_none(watched: Watched, server: Running) -> None:
+    """Every line of the first figure, drawn through a part of its points, is within a quarter of a pixel of all others."""
+    page = watched.open()
+    page.add_init_script(NOTE_LINES)
+    page.reload()
+    page.wait_for_selector(".results table")
+    drawn = [np.array(line) for line in page.evaluate("lines")]
+    with server.socket() as socket:
+        answer = socket.ask("simulate", scenario="example-offset")
+    time, figure = answer["time"], answer["figures"][0]
+    assert figure["title"] == "Acceleration"
+    for line, (x, y) in zip(figure["lines"], (each.T for each in drawn), strict=False):
+        values = answer["values"][line["row"]]
+        assert x.size < 0.3 * time.size, line
+        across = (time - time[0]) * (x[-1] - x[0]) / (time[-1] - time[0]) + x[0]
+        corner = np.clip(np.searchsorted(across, x - 1e-6), 0, time.size - 1)
+        single = np.diff(x, prepend=-1.0, append=1e6).clip(0.0) > 1e-3  # of a jump either side could be meant
+        single = single[:-1] & single[1:]
+        up, zero = np.polyfit(values[corner[single]], y[single], 1)
+        np.testing.assert_allclose(up * values[corner[single]] + zero, y[single], atol=1e-3)  # pixels: corners are points
+        off = np.abs(np.interp(across, x, y) - (up * values + zero))
+        steep = np.abs(np.gradient(np.interp(across, x, y))) > 20.0  # beside a jump no height is meant
+        assert off[~steep].max() < 0.26, line
 
 
 def test_numbers_are_typed_with_units(watched: Watched) -> None:
