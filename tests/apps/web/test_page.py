@@ -269,6 +269,17 @@ def test_time_is_scrubbed_played_and_stepped(watched: Watched) -> None:
     assert number(page.locator(".time output").inner_text().removesuffix(" ms")) == pytest.approx(100.0, abs=1.0)
 
 
+def test_events_are_listed_and_lead_to_their_time(watched: Watched) -> None:
+    page = watched.open("#/crash?s=p1")
+    events = simulate(load("p1")).events
+    page.locator("summary", has_text=f"{len(events)} events").click()
+    page.wait_for_selector(".events li")
+    listed = page.locator(".events li").all_inner_texts()
+    assert listed == [f"{1e3 * event.time:.2f} ms {event.who}: {event.what}" for event in events]
+    page.locator(".events button").nth(3).click()
+    assert page.locator(".time output").inner_text() == f"{1e3 * events[3].time:.1f} ms"
+
+
 def test_the_map_goes_where_it_is_clicked(watched: Watched) -> None:
     page = watched.open("#/map?s=example-offset", wait=SHOWN["map"])
     canvas = page.locator(".map canvas")

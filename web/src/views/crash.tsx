@@ -1,5 +1,5 @@
 /** The crash: turn a knob, and both cars, everyone in them and every curve follow. */
-import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 import type { ViewProps } from "../app";
 import { type Curve, Plot } from "../parts/plot";
 import { SideView } from "../parts/sideview";
@@ -204,12 +204,12 @@ function Icon({ path }: { path: string }) {
 }
 
 function Events({ curves, onMove }: { curves: Curves; onMove: (time: number) => void }) {
-  const rows = useMemo(() => curves.events.slice(0, 80), [curves.events]);
+  const [open, setOpen] = useState(false);
   return (
-    <details>
+    <details onToggle={(event) => setOpen(event.currentTarget.open)}>
       <summary>{curves.events.length} events</summary>
       <ol class="events">
-        {rows.map((event, i) => (
+        {open && curves.events.slice(0, 80).map((event, i) => (
           <li key={i}><button type="button" onClick={() => onMove(event.time)}>{(1e3 * event.time).toFixed(2)} ms</button> {event.who}: {event.what}</li>
         ))}
       </ol>
