@@ -374,8 +374,3 @@ def test_one_outcome_of_several_scenarios_is_no_objective(tmp_path):
     study = {**OPTIMISE, "scenario": None, "scenarios": scenarios}
     with pytest.raises(InvalidInput, match=r"full\.adult\.acceleration\.peak.*weighted"):
         run_study(study, tmp_path / "out")
-
-
-def test_a_search_goes_to_no_cluster(tmp_path):
-    with pytest.raises(InvalidInput, match="--cluster"):
-        run_study(OPTIMISE, tmp_path / "out", cluster="tcp://nowhere:1")

@@ -7,9 +7,6 @@ started again: what it asks for at first is answered from the folder, bit for bi
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 import pyarrow as pa
@@ -18,12 +15,13 @@ from ridedown.errors import InvalidInput
 from ridedown.studies.results.store import Store, packed
 from ridedown.studies.rows.crashes import Rows
 from ridedown.studies.rows.plan import Floats, Plan
+from ridedown.studies.running.workers import Workers
 
 UNIT = 16_384
 """Rows of a request that are computed, or answered, together."""
 
 _PIECE = 512
-"""Rows computed by a thread at a time. Like UNIT it is the same whatever the machine, so that no bit depends on threads."""
+"""Rows given to a worker at a time. Like UNIT it is the same whatever the machine, so that no bit depends on who computes."""
 
 Told = Callable[[int, int, int], None]
 """Told how many rows were answered from the folder, how many were computed, and how many of those failed."""
@@ -32,21 +30,14 @@ Told = Callable[[int, int, int], None]
 class Kept:
     """The evaluator of a search: columns of parameters by name to columns of outcomes, (R,) each; NaN where a row failed."""
 
-    def __init__(self, store: Store, plan: Plan, threads: int, told: Told) -> None:
-        self._store, self._plan, self._told = store, plan, told
-        self._pool = ThreadPoolExecutor(threads, thread_name_prefix="ridedown-search")
+    def __init__(self, store: Store, plan: Plan, crew: Workers, told: Told) -> None:
+        self._store, self._plan, self._crew, self._told = store, plan, crew, told
         self._chunk = 0
         self._start = 0  # the first row of that chunk
         self._at = 0  # the next row
         self._there: pa.Table | None = None  # the chunk, if it was kept before
         self._waiting: list[tuple[Mapping[str, Floats], Rows]] = []
         self.before = self.computed = self.failed = 0
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._pool.shutdown(wait=True, cancel_futures=True)
 
     @property
     def written(self) -> int:
@@ -103,7 +94,7 @@ class Kept:
         pieces = [
             {name: column[start : start + _PIECE] for name, column in columns.items()} for start in range(0, size, _PIECE)
         ]
-        return _joined(list(self._pool.map(self._plan.function.rows, pieces)))
+        return _joined(self._crew.rows(self._plan.function, pieces))
 
     def _write(self) -> None:
         columns = {name: np.concatenate([part[name] for part, _ in self._waiting]) for name in self._plan.units}
