@@ -10,16 +10,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ridedown.criteria.checks import Floats
-from ridedown.criteria.moving import refined
+from ridedown.compiled import kernel, part
+from ridedown.criteria.checks import Floats, Table
+from ridedown.criteria.strung import Ints
 
-LONGEST_STEP = 1e-3  # s
+_LONGEST_STEP = 1e-3  # s
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
-_NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
+# Gauss-Legendre on [0, 1], four points; as their decimals are, and not as numpy finds them, so that they are constants here
+_NODES = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
+_WEIGHTS = (0.17392742256872692, 0.3260725774312731, 0.3260725774312731, 0.17392742256872692)
+
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,122 +37,167 @@ class Contact:
     forward_velocity: float
     lateral_velocity: float
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Flight:
-    """The vehicle's motion under a free occupant: samples and, at each, heading, velocity and displacement in the frame."""
-
-    time: Floats  # (n,)
-    inputs: Floats  # (3, n): forward and lateral acceleration, yaw rate
-    heading: Floats  # (n,) rad
-    velocity: Floats  # (2, n)
-    displacement: Floats  # (2, n)
-    offset: tuple[float, float]  # of the occupant from the sensor, m
-
-    @classmethod
-    def of(cls, time: Floats, inputs: Floats, offset: tuple[float, float]) -> Flight:
-        """Integrate from the first sample."""
-        time, inputs = refined(time, inputs, LONGEST_STEP)
-        step = np.diff(time)
-        yaw = inputs[2]
-        heading = np.zeros(time.size)
-        np.cumsum(0.5 * step * (yaw[1:] + yaw[:-1]), out=heading[1:])
-        gained, moved = _integrals(step, inputs[:, :-1], np.diff(inputs, axis=1), heading[:-1], np.ones(step.size))
-        velocity = np.zeros((2, time.size))
-        np.cumsum(gained, axis=1, out=velocity[:, 1:])
-        displacement = np.zeros((2, time.size))
-        np.cumsum(velocity[:, :-1] * step + moved, axis=1, out=displacement[:, 1:])
-        return cls(time, inputs, heading, velocity, displacement, offset)
-
-    def at(self, step: int, share: float) -> Contact:
-        """The occupant relative to the vehicle, in the vehicle's directions, `share` of the way through a step."""
-        length = self.time[step + 1] - self.time[step]
-        part = np.array([share])
-        first, rise = self.inputs[:, step : step + 1], np.diff(self.inputs[:, step : step + 2], axis=1)
-        gained, moved = _integrals(np.array([length]), first, rise, self.heading[step : step + 1], part)
-        at = share * length
-        heading = self.heading[step] + at * (first[2, 0] + 0.5 * share * rise[2, 0])
-        velocity = self.velocity[:, step] + gained[:, 0]
-        displacement = self.displacement[:, step] + at * self.velocity[:, step] + moved[:, 0]
-        rate = first[2, 0] + share * rise[2, 0]
-        x, y, u, v = _seen(displacement, velocity, heading, rate, self.offset)
-        return Contact(float(self.time[step] + at), float(x), float(y), float(u), float(v))
-
-    def contact(self, ahead: float, aside: float) -> Contact | None:
-        """The first time at which the occupant has gone `ahead` forward or `aside` to either side [m]; None if never."""
-        x, y, u, v = _seen(self.displacement, self.velocity, self.heading, self.inputs[2], self.offset)
-        beyond = np.maximum(x / ahead, np.abs(y) / aside)
-        reached = beyond >= 1.0
-        # Out and back within one step: where the way there turns round and a full step at the speed before would reach it.
-        step = np.diff(self.time)
-        turning = np.zeros(step.size, dtype=bool)
-        for way, speed, space in ((x, u, ahead), (y, v, aside), (-y, -v, aside)):
-            turning |= (speed[:-1] > 0.0) & (speed[1:] < 0.0) & (way[:-1] + step * speed[:-1] >= space)
-        for k in np.flatnonzero(reached[1:] | turning):
-            end = 1.0
-            if not reached[k + 1]:
-                end = self._farthest(int(k), ahead, aside)
-                if self._beyond(int(k), end, ahead, aside) < 0.0:
-                    continue
-            return self.at(int(k), self._root(int(k), end, ahead, aside))
-        return None
-
-    def _beyond(self, step: int, share: float, ahead: float, aside: float) -> float:
-        here = self.at(step, share)
-        return max(here.forward / ahead, abs(here.lateral) / aside) - 1.0
-
-    def _farthest(self, step: int, ahead: float, aside: float) -> float:
-        from scipy.optimize import minimize_scalar  # noqa: PLC0415  slow to import, and hardly ever needed
-
-        found = minimize_scalar(
-            lambda share: -self._beyond(step, float(share), ahead, aside),
-            bounds=(0.0, 1.0),
-            method="bounded",
-            options={"xatol": 1e-9},
-        )
-        return float(found.x)
-
-    def _root(self, step: int, end: float, ahead: float, aside: float) -> float:
-        low, high = 0.0, end
-        for _ in range(60):  # halving ends at neighbouring doubles
-            middle = 0.5 * (low + high)
-            if not low < middle < high:
-                break
-            if self._beyond(step, middle, ahead, aside) >= 0.0:
-                high = middle
-            else:
-                low = middle
-        return high
+    @property
+    def speed(self) -> float:
+        """The resultant velocity [m/s] against the interior."""
+        return math.hypot(self.forward_velocity, self.lateral_velocity)
 
 
-def _integrals(step: Floats, first: Floats, rise: Floats, heading: Floats, share: Floats) -> tuple[Floats, Floats]:
-    """Velocity gained and displacement from it, (2, m) each, over the first `share` of steps, in the frame's directions."""
-    length = share * step
-    gained = np.zeros((2, step.size))
-    moved = np.zeros((2, step.size))
-    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
-        at = node * share
-        forward, lateral = first[0] + at * rise[0], first[1] + at * rise[1]
-        angle = heading + at * step * (first[2] + 0.5 * at * rise[2])
-        cos, sin = np.cos(angle), np.sin(angle)
-        here = np.stack((forward * cos - lateral * sin, forward * sin + lateral * cos))
-        gained += weight * length * here
-        moved += weight * length**2 * (1.0 - node) * here
-    return gained, moved
+class _Step(NamedTuple):
+    """A part of a signal: how long [s], forward and lateral acceleration and yaw rate at its start, and how much they rise.
+
+    Then the vehicle's heading, velocity and displacement at its start, and where the occupant is from the sensor.
+    """
+
+    length: float
+    forward: float
+    lateral: float
+    yaw: float
+    forward_rise: float
+    lateral_rise: float
+    yaw_rise: float
+    heading: float
+    u: float
+    v: float
+    x: float
+    y: float
+    ahead: float
+    aside: float
 
 
-def _seen(
-    displacement: Floats, velocity: Floats, heading: Floats | float, rate: Floats | float, offset: tuple[float, float]
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Path from the start and velocity of the occupant as seen from the vehicle, in its directions: x, y, u, v."""
-    cos, sin = np.cos(heading), np.sin(heading)
-    away = offset[0] - displacement[0], offset[1] - displacement[1]
-    x, y = cos * away[0] + sin * away[1], cos * away[1] - sin * away[0]
-    u = -cos * velocity[0] - sin * velocity[1] + rate * y
-    v = sin * velocity[0] - cos * velocity[1] - rate * x
-    return x - offset[0], y - offset[1], u, v
+@part
+def _moved(step: _Step, share: float) -> tuple[float, float, float, float, float]:
+    """The vehicle's heading, velocity and displacement in the frame, `share` of the way through a step."""
+    length = share * step.length
+    u, v, x, y = 0.0, 0.0, 0.0, 0.0
+    for k in range(4):
+        at = _NODES[k] * share
+        forward, lateral = step.forward + at * step.forward_rise, step.lateral + at * step.lateral_rise
+        angle = step.heading + at * step.length * (step.yaw + 0.5 * at * step.yaw_rise)
+        cos, sin = 1.0, 0.0
+        if angle != 0.0:
+            cos, sin = math.cos(angle), math.sin(angle)
+        along, across = forward * cos - lateral * sin, forward * sin + lateral * cos
+        u += _WEIGHTS[k] * length * along
+        v += _WEIGHTS[k] * length * across
+        x += _WEIGHTS[k] * (1.0 - _NODES[k]) * length * length * along
+        y += _WEIGHTS[k] * (1.0 - _NODES[k]) * length * length * across
+    heading = step.heading + length * (step.yaw + 0.5 * share * step.yaw_rise)
+    return heading, step.u + u, step.v + v, step.x + length * step.u + x, step.y + length * step.v + y
 
 
-def speed(contact: Contact) -> float:
-    """The resultant velocity [m/s] against the interior."""
-    return math.hypot(contact.forward_velocity, contact.lateral_velocity)
+@part
+def _seen_from(
+    step: _Step, share: float, heading: float, along: float, across: float, x: float, y: float
+) -> tuple[float, float, float, float]:
+    """Path from the start and velocity of the occupant as seen from the vehicle that has moved so: x, y, u, v."""
+    rate = step.yaw + share * step.yaw_rise
+    cos, sin = math.cos(heading), math.sin(heading)
+    away_x, away_y = step.ahead - x, step.aside - y
+    seen_x, seen_y = cos * away_x + sin * away_y, cos * away_y - sin * away_x
+    u = -cos * along - sin * across + rate * seen_y
+    v = sin * along - cos * across - rate * seen_x
+    return seen_x - step.ahead, seen_y - step.aside, u, v
+
+
+@part
+def _seen(step: _Step, share: float) -> tuple[float, float, float, float]:
+    """The same, `share` of the way through a step."""
+    heading, along, across, x, y = _moved(step, share)
+    return _seen_from(step, share, heading, along, across, x, y)
+
+
+@part
+def _beyond(step: _Step, share: float, ahead: float, aside: float) -> float:
+    """How far the occupant is beyond the free space, as a part of it; negative within."""
+    x, y, _, _ = _seen(step, share)
+    return max(x / ahead, abs(y) / aside) - 1.0
+
+
+@part
+def _farthest(step: _Step, ahead: float, aside: float) -> float:
+    """The share of a step at which the occupant is farthest out, by golden sections, to 1e-9."""
+    low, high = 0.0, 1.0
+    one, other = high - _GOLDEN, low + _GOLDEN
+    at_one, at_other = _beyond(step, one, ahead, aside), _beyond(step, other, ahead, aside)
+    while high - low > 1e-9:
+        if at_one > at_other:
+            high, other, at_other = other, one, at_one
+            one = high - _GOLDEN * (high - low)
+            at_one = _beyond(step, one, ahead, aside)
+        else:
+            low, one, at_one = one, other, at_other
+            other = low + _GOLDEN * (high - low)
+            at_other = _beyond(step, other, ahead, aside)
+    return 0.5 * (low + high)
+
+
+@part
+def _met(step: _Step, ahead: float, aside: float, x_then: float, y_then: float, u_then: float, v_then: float) -> float:
+    """The share of a step at which the occupant comes to the end of the free space; -1 if it does not.
+
+    x_then, ...: what is seen of it at the end of the step.
+    """
+    x, y, u, v = _seen_from(step, 0.0, step.heading, step.u, step.v, step.x, step.y)
+    end = 1.0
+    if max(x_then / ahead, abs(y_then) / aside) < 1.0:
+        # out and back within one step: where the way there turns round and a full step at the speed before would reach it
+        turning = u > 0.0 > u_then and x + step.length * u >= ahead
+        turning = turning or (v > 0.0 > v_then and y + step.length * v >= aside)
+        turning = turning or (v < 0.0 < v_then and -y - step.length * v >= aside)
+        if not turning:
+            return -1.0
+        end = _farthest(step, ahead, aside)
+        if _beyond(step, end, ahead, aside) < 0.0:
+            return -1.0
+    low = 0.0
+    for _ in range(60):  # halving ends at neighbouring doubles
+        middle = 0.5 * (low + end)
+        if not low < middle < end:
+            break
+        if _beyond(step, middle, ahead, aside) >= 0.0:
+            end = middle
+        else:
+            low = middle
+    return end
+
+
+@kernel
+def _contacts(
+    time: Floats, forward: Floats, lateral: Floats, yaw: Floats, starts: Ints,
+    ahead: float, aside: float, offset_ahead: float, offset_aside: float, found: Table,
+) -> None:  # fmt: skip
+    """The contact of each signal's occupant: time, x, y, u and v, (R, 5); NaN where there is none."""
+    for r in range(starts.size - 1):
+        found[r, :] = math.nan
+        heading, u, v, x, y = 0.0, 0.0, 0.0, 0.0, 0.0
+        i = starts[r]
+        while i < starts[r + 1] - 1:
+            whole = time[i + 1] - time[i]
+            parts = max(1, math.ceil(whole / _LONGEST_STEP * (1.0 - 1e-12)))
+            df, dl, dy = forward[i + 1] - forward[i], lateral[i + 1] - lateral[i], yaw[i + 1] - yaw[i]
+            for k in range(parts):
+                step = _Step(
+                    whole / parts, forward[i] + k / parts * df, lateral[i] + k / parts * dl, yaw[i] + k / parts * dy,
+                    df / parts, dl / parts, dy / parts, heading, u, v, x, y, offset_ahead, offset_aside,
+                )  # fmt: skip
+                heading, u, v, x, y = _moved(step, 1.0)
+                seen_x, seen_y, seen_u, seen_v = _seen_from(step, 1.0, heading, u, v, x, y)
+                share = _met(step, ahead, aside, seen_x, seen_y, seen_u, seen_v)
+                if share >= 0.0:
+                    found[r, 0] = time[i] + (k + share) / parts * whole
+                    found[r, 1], found[r, 2], found[r, 3], found[r, 4] = _seen(step, share)
+                    i = starts[r + 1]
+                    break
+            i += 1
+
+
+def contacts(time: Floats, inputs: Floats, starts: Ints, ahead: float, aside: float, offset: tuple[float, float]) -> Floats:
+    """When and how each occupant has first gone `ahead` forward or `aside` to either side [m]: (R, 5), NaN if never.
+
+    time: (N,) [s], signals end to end (see `strung`); inputs: (3, N), forward and lateral acceleration [m/s2], yaw rate
+    [rad/s]; offset: of the occupant from the sensor [m]. Found: as the fields of a `Contact`.
+    """
+    found = np.empty((starts.size - 1, 5))
+    _contacts(time, inputs[0].copy(), inputs[1].copy(), inputs[2].copy(), starts, ahead, aside, *offset, found)
+    return found

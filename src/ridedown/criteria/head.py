@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 
 from ridedown.criteria import levels, windows
 from ridedown.criteria.checks import STANDARD_GRAVITY, Floats, magnitude, number, signal
+from ridedown.criteria.powers import severity
+from ridedown.criteria.strung import Strung
 from ridedown.errors import InvalidInput
 
 # Two times a window apart differ from it by what their own rounding makes; an interval in samples is meant exactly.
@@ -83,11 +85,21 @@ def hic(
     if scale == 0.0:
         return HIC(0.0, float(times[0]), float(times[0]))
     square, start, end = windows.search(times, a / scale, window, sampled=sampled)
+    return HIC(_value_of(square, scale), start, end)
+
+
+def hic_of(signals: Strung, max_window: float) -> Floats:
+    """HIC of R signals end to end, none of them anywhere below 0 [m/s2]: (R,). Raises: InvalidInput as `hic` does."""
+    return np.array([_value_of(float(square), float(scale)) for square, scale in windows.search_each(signals, max_window)])
+
+
+def _value_of(square: float, scale: float) -> float:
+    """HIC from its square for accelerations in units of `scale` [m/s2]."""
     with np.errstate(over="ignore"):
         value = float(np.sqrt(square) * np.float64(scale / STANDARD_GRAVITY) ** 2.5)
     if not np.isfinite(value):
         raise InvalidInput(f"acceleration: got a peak of {scale:g} m/s2; need one that a head can have. Check its unit.")
-    return HIC(value, start, end)
+    return value
 
 
 def hic_by_sum(time: ArrayLike, acceleration: ArrayLike, *, max_window: float = 0.015) -> HIC:
@@ -127,21 +139,14 @@ def severity_index(time: ArrayLike, acceleration: ArrayLike) -> float:
     >>> round(severity_index([0.0, 0.010], [50 * 9.80665, 50 * 9.80665]), 3)  # 50^2.5 times 10 ms
     176.777
     """
-    times, a = magnitude(*signal(time, acceleration))
-    return float(np.sum(np.diff(times) * _mean_power(a[:-1] / STANDARD_GRAVITY, a[1:] / STANDARD_GRAVITY)))
+    return float(severity_of(Strung.one(*magnitude(*signal(time, acceleration))))[0])
 
 
-def _mean_power(one: Floats, other: Floats) -> Floats:
-    """Mean of x^2.5 over the line from `one` to `other`, both >= 0."""
-    middle, half = 0.5 * (one + other), 0.5 * np.abs(one - other)
-    share = np.divide(half, middle, out=np.zeros_like(half), where=middle > 0.0)
-    # (b^3.5 - a^3.5)/(3.5 (b - a)) cancels where a and b are close: there the series in (half/middle)^2, to 1e-15 below 0.05
-    e = share * share
-    series = middle**2.5 * (1.0 + e * (0.625 + e * (-0.0078125 - e * (1.5 * 2.5 * 0.5 * 0.5 * 1.5 * 2.5 / 5040.0))))
-    width = np.where(half > 0.0, 7.0 * half, 1.0)
-    exact = ((middle + half) ** 3.5 - np.maximum(middle - half, 0.0) ** 3.5) / width
-    mean: Floats = np.where(share < 0.05, series, exact)
-    return mean
+def severity_of(signals: Strung) -> Floats:
+    """The severity index of R signals end to end, none of them anywhere below 0 [m/s2]: (R,)."""
+    found = np.empty(signals.count)
+    severity(signals.time, signals.values, signals.starts, STANDARD_GRAVITY, found)
+    return found
 
 
 def clip(time: ArrayLike, acceleration: ArrayLike, *, duration: float = 0.003, cumulative: bool = False) -> Clip:
@@ -164,19 +169,32 @@ def clip(time: ArrayLike, acceleration: ArrayLike, *, duration: float = 0.003, c
     '47.50 g from 28.50 to 31.50 ms'
     """
     times, a = magnitude(*signal(time, acceleration))
-    length = number(duration, "duration", "s", above=0.0)
-    lasts = float(times[-1] - times[0])
-    if length > lasts * (1.0 + _ROUNDING):
-        raise InvalidInput(
-            f"time: got a signal of {lasts:g} s; need >= {length:g} s, the duration. A level cannot be held longer."
-        )
-    length = min(length, lasts)
+    length = _held_for(times, duration)
     work = np.empty(times.size, dtype=np.int64)
     if cumulative:
         value = float(levels.highest_reached(times, a, length, work))
         return Clip(value, *_first_and_last(times, a, value))
     value, start = levels.highest_held(times, a, length, work)
     return Clip(float(value), float(start), float(start) + length)
+
+
+def clip_of(signals: Strung, duration: float = 0.003, *, cumulative: bool = False) -> Floats:
+    """The clip of R signals end to end, all as long, nowhere below 0 [m/s2]: (R,). Raises: InvalidInput as `clip`."""
+    length = _held_for(signals.time[: signals.starts[1]], duration)
+    found, work = np.empty(signals.count), np.empty(signals.longest, dtype=np.int64)
+    levels.each_highest(signals.time, signals.values, signals.starts, length, cumulative, work, found)
+    return found
+
+
+def _held_for(times: Floats, duration: float) -> float:
+    """The duration, at most as long as the signal. Raises: InvalidInput for a longer one."""
+    length = number(duration, "duration", "s", above=0.0)
+    lasts = float(times[-1] - times[0])
+    if length > lasts * (1.0 + _ROUNDING):
+        raise InvalidInput(
+            f"time: got a signal of {lasts:g} s; need >= {length:g} s, the duration. A level cannot be held longer."
+        )
+    return min(length, lasts)
 
 
 def _first_and_last(times: Floats, a: Floats, level: float) -> tuple[float, float]:

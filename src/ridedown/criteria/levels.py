@@ -9,10 +9,10 @@ corners at the samples' values only; those are halved until one straight piece i
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ridedown.compiled import inlined, kernel
 from ridedown.criteria.checks import Floats
+from ridedown.criteria.strung import Ints
 
 
 @inlined
@@ -23,7 +23,7 @@ def _on(time: Floats, y: Floats, i: int, t: float) -> float:
 
 @kernel
 def highest_held(  # noqa: C901, PLR0912 - one sweep
-    time: Floats, y: Floats, duration: float, queue: NDArray[np.int64]
+    time: Floats, y: Floats, duration: float, queue: Ints
 ) -> tuple[float, float]:
     """The highest level below which y >= 0 does not fall for `duration` on end, and when that begins [s].
 
@@ -45,7 +45,9 @@ def highest_held(  # noqa: C901, PLR0912 - one sweep
         next_start, next_end = time[i + 1], time[j + 1] - duration
         then = max(min(next_start, next_end), t)
         between = y[queue[head]] if tail > head else np.inf
-        if between > best and time[i + 1] > time[i] and time[j + 1] > time[j]:
+        # neither end is above the samples beside it: nearly all windows are passed over by that
+        most = min(between, max(y[i], y[i + 1]), max(y[j], y[j + 1]))
+        if most > best and time[i + 1] > time[i] and time[j + 1] > time[j]:
             left, right = _on(time, y, i, t), _on(time, y, j, t + duration)
             left_then, right_then = _on(time, y, i, then), _on(time, y, j, then + duration)
             value = min(left, right, between)
@@ -77,7 +79,7 @@ def highest_held(  # noqa: C901, PLR0912 - one sweep
 
 @kernel
 def highest_reached(  # noqa: C901, PLR0912, PLR0915 - one search
-    time: Floats, y: Floats, duration: float, active: NDArray[np.int64]
+    time: Floats, y: Floats, duration: float, active: Ints
 ) -> float:
     """The highest level that y >= 0 is at or above for `duration` in all; (n,) each, at least `duration` long."""
     count = 0
@@ -140,3 +142,22 @@ def highest_reached(  # noqa: C901, PLR0912, PLR0915 - one search
     if at_low <= duration:
         return low
     return low + (high - low) * (at_low - duration) / (at_low - at_high)
+
+
+@kernel
+def each_highest(
+    time: Floats,
+    y: Floats,
+    starts: Ints,
+    duration: float,
+    cumulative: bool,  # noqa: FBT001 - kernels take no keywords
+    work: Ints,
+    found: Floats,
+) -> None:
+    """The highest level of each of R signals end to end (see `strung`), held on end or in all, (R,); work: the longest."""
+    for r in range(starts.size - 1):
+        first, final = starts[r], starts[r + 1]
+        if cumulative:
+            found[r] = highest_reached(time[first:final], y[first:final], duration, work[: final - first])
+        else:
+            found[r], _ = highest_held(time[first:final], y[first:final], duration, work[: final - first])

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ridedown.criteria.braked import directions, ideal_restraints
 from ridedown.criteria.checks import STANDARD_GRAVITY, Floats, from_time_zero, number, signal
-from ridedown.criteria.motion import Motion, first_reach
-from ridedown.criteria.spring import greatest_extension
+from ridedown.criteria.spring import greatest_extensions
+from ridedown.criteria.strung import Strung
 from ridedown.errors import InvalidInput
 
 FREE_FLIGHT = 0.065
@@ -90,23 +91,20 @@ def olc(
     >>> f"{found.value_g:.3f} g from {1e3 * found.start:.2f} to {1e3 * found.end:.2f} ms"
     '62.724 g from 16.28 to 64.11 ms'
     """
-    times, d = _forward(time, acceleration, start)
     first = number(free_flight, "free_flight", "m", above=0.0)
     way = first + number(restrained, "restrained", "m", above=0.0)
-    motion = Motion.of(times, d)
-    furthest = float(motion.displacement.max())
-    t1 = motion.first_reach(first)
-    if t1 is None or t1 >= times[-1]:
-        return OLC(None, None, None, furthest)
-    after = Motion.of(*from_time_zero(times, d, t1), *motion.at(t1)[1:])
-    a, u, z = after.acceleration[:-1], after.velocity[:-1], after.displacement[:-1]
-    since = after.time[:-1] - t1
-    braked = np.stack([z - 0.5 * u * since, 0.5 * (u - a * since), -0.25 * after.slopes * since, -after.slopes / 12.0])
-    t2 = first_reach(after.time, braked, way)
-    change = 0.0 if t2 is None else after.at(t2)[1]
-    if t2 is None or change <= 0.0:
-        return OLC(None, t1, None, furthest)
-    return OLC(change / (t2 - t1), t1, t2, furthest)
+    t1, t2, value, furthest = map(float, olc_of(_pulse(time, acceleration, start), first, way)[0])
+    return OLC(_or_none(value), _or_none(t1), _or_none(t2), furthest)
+
+
+def olc_of(pulses: Strung, free_flight: float = FREE_FLIGHT, way: float = FREE_FLIGHT + RESTRAINED) -> Floats:
+    """OLC of R pulses end to end: t1 [s], t2 [s], the criterion [m/s2] and the furthest displacement [m], (R, 4).
+
+    NaN for what is not reached.
+    """
+    found = np.empty((pulses.count, 4))
+    ideal_restraints(pulses.time, _forward(pulses), pulses.starts, free_flight, way, found)
+    return found
 
 
 def vpi(
@@ -136,24 +134,45 @@ def vpi(
     >>> f"{found.value:.2f} m/s2 at {1e3 * found.time:.1f} ms"
     '456.69 m/s2 at 66.0 ms'
     """
-    times, d = _forward(time, acceleration, start)
     k, m = number(stiffness, "stiffness", "N/m", above=0.0), number(mass, "mass", "kg", above=0.0)
     gap = number(slack, "slack", "m", above=math.nextafter(0.0, -1.0))
-    w = math.sqrt(k / m)
-    if w * float(np.diff(times).max()) > _MOST_TURNS:
+    value, when, reached = map(float, vpi_of(_pulse(time, acceleration, start), math.sqrt(k / m), gap)[0])
+    return VPI(_or_none(value), when, reached)
+
+
+def vpi_of(pulses: Strung, frequency: float = 50.0, slack: float = 0.03) -> Floats:
+    """VPI of R pulses end to end: the index [m/s2], NaN where a record ends before the peak; its time [s]; the largest; (R, 3).
+
+    frequency: sqrt(stiffness/mass) [rad/s].
+
+    Raises: InvalidInput for samples so far apart that the spring does not feel what is between them.
+    """
+    longest = float(np.diff(pulses.time).max())
+    if frequency * longest > _MOST_TURNS:
         raise InvalidInput(
-            f"time: got {np.diff(times).max():g} s between two samples; need a pulse that a spring of {w:g} rad/s feels. "
+            f"time: got {longest:g} s between two samples; need a pulse that a spring of {frequency:g} rad/s feels. "
             "Check the units of time, stiffness and mass."
         )
-    extension, when, z, rate, holds = greatest_extension(times, d, w, gap)
-    reached = float(w * w * extension)
-    rising = holds and rate > 0.0 and z - gap >= extension * (1.0 - 1e-9)  # to its largest, when the record ends
-    return VPI(reached if extension > 0.0 and not rising else None, float(when), reached)
+    found = np.empty((pulses.count, 5))
+    greatest_extensions(pulses.time, _forward(pulses), pulses.starts, frequency, slack, found)
+    extension, when, z, rate, holds = found.T
+    reached = frequency * frequency * extension
+    rising = (holds > 0.0) & (rate > 0.0) & (z - slack >= extension * (1.0 - 1e-9))  # to its largest, when the record ends
+    return np.stack([np.where((extension > 0.0) & ~rising, reached, np.nan), when, reached], axis=1)
 
 
-def _forward(time: ArrayLike, acceleration: ArrayLike, start: float | None) -> tuple[Floats, Floats]:
-    """The pulse from its start on, positive in the direction of its largest change of velocity."""
-    times, a = from_time_zero(*signal(time, acceleration), start)
-    change = Motion.of(times, a).velocity_turns()[1]
-    largest = change[int(np.argmax(np.abs(change)))]
-    return times, -a if largest < 0.0 else a
+def _pulse(time: ArrayLike, acceleration: ArrayLike, start: float | None) -> Strung:
+    """The pulse from its start on."""
+    return Strung.one(*from_time_zero(*signal(time, acceleration), start))
+
+
+def _forward(pulses: Strung) -> Floats:
+    """The pulses' accelerations, each positive in the direction of its largest change of velocity."""
+    sign = np.empty(pulses.count)
+    directions(pulses.time, pulses.values, pulses.starts, sign)
+    forward: Floats = pulses.values * np.repeat(sign, np.diff(pulses.starts))
+    return forward
+
+
+def _or_none(value: float) -> float | None:
+    return None if math.isnan(value) else value

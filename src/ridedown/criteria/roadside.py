@@ -15,12 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ridedown.criteria.checks import STANDARD_GRAVITY, Floats, from_time_zero, number, signal
-from ridedown.criteria.flail import Contact, Flight, speed
+from ridedown.criteria.flail import Contact, contacts
 from ridedown.criteria.moving import first_largest, largest_mean, lowpassed, refined
 from ridedown.errors import InvalidInput, UnknownName
 
 ASI_LIMITS_G = (12.0, 9.0, 10.0)
 """Threshold accelerations of ASI along x, y and z, in g."""
+
+THRESHOLDS = tuple(STANDARD_GRAVITY * limit for limit in ASI_LIMITS_G)
+"""The same in m/s2."""
 
 ASI_WINDOW = 0.050
 """s, the moving mean of EN 1317-1:1998."""
@@ -37,7 +40,7 @@ AFTER_CONTACT_WINDOW = 0.010
 """s, the moving mean of PHD and of the ridedown acceleration."""
 
 # Between samples a low-passed signal is not straight; 0.1 ms apart it is to 1e-5 of its peak at 13 Hz.
-_FINE = 1e-4
+FINE = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,21 +125,26 @@ def asi(
         The texts were not at hand: window, limits and cut-off are as the handbook of the program DIAdem has them (ChnASICalc).
     """
     times, values = _channels(time, forward=forward, lateral=lateral, vertical=vertical)
-    scaled = values / (STANDARD_GRAVITY * np.array(ASI_LIMITS_G)[:, None])
+    scaled = values / np.array(THRESHOLDS)[:, np.newaxis]
     if edition == "EN 1317-1:1998":
         best = largest_mean(times, scaled, ASI_WINDOW)
         if best is None:
-            raise InvalidInput(
-                f"time: got a signal of {times[-1] - times[0]:g} s; need >= {ASI_WINDOW:g} s, the mean's window. "
-                "Record longer, or use the edition of 2010."
-            )
+            raise too_short(times)
         return ASI(best.value, 0.5 * (best.start + best.end), edition)
     if edition != "EN 1317-1:2010":
         raise UnknownName.among("edition", str(edition), ASI_EDITIONS)
-    fine, through = refined(times, scaled, _FINE)
+    fine, through = refined(times, scaled, FINE)
     index = np.sqrt((lowpassed(fine, through, ASI_CUTOFF) ** 2).sum(axis=0))
     at = first_largest(index)
     return ASI(float(index[at]), float(fine[at]), edition)
+
+
+def too_short(times: Floats) -> InvalidInput:
+    """What to say of a signal that is shorter than the moving mean of EN 1317-1:1998."""
+    return InvalidInput(
+        f"time: got a signal of {times[-1] - times[0]:g} s; need >= {ASI_WINDOW:g} s, the mean's window. "
+        "Record longer, or use the edition of 2010."
+    )
 
 
 def thiv(
@@ -173,7 +181,7 @@ def thiv(
     _, _, contact = _fly(time, forward, lateral, yaw_rate, ahead, aside, head, start)
     if contact is None:
         return HeadImpact(None, None, None, None)
-    return HeadImpact(speed(contact), contact.time, contact.forward_velocity, contact.lateral_velocity)
+    return HeadImpact(contact.speed, contact.time, contact.forward_velocity, contact.lateral_velocity)
 
 
 def phd(
@@ -289,7 +297,8 @@ def _fly(
     offset = number(head[0], "head", "m"), number(head[1], "head", "m")
     cut = [from_time_zero(times, row, start) for row in values]
     times, values = cut[0][0], np.stack([row for _, row in cut])
-    return times, values, Flight.of(times, values, offset).contact(ahead, aside)
+    found = contacts(times, values, np.array([0, times.size]), ahead, aside, offset)[0]
+    return times, values, None if np.isnan(found[0]) else Contact(*map(float, found))
 
 
 def _after(times: Floats, values: Floats, contact: Contact | None) -> AfterContact:

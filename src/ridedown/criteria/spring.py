@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 
 from ridedown.compiled import kernel, part
-from ridedown.criteria.checks import Floats
+from ridedown.criteria.checks import Floats, Table
+from ridedown.criteria.strung import Ints
 
 _LATER = 1.0 + 1e-12  # the same peak again, a swing later, is not a higher one
 _HALVINGS = 200  # more than a double has bits between any two lengths that matter
@@ -155,3 +156,12 @@ def greatest_extension(time: Floats, d: Floats, w: float, slack: float) -> tuple
             now += slope * spent
             length -= spent
     return most, when, z, u, holds
+
+
+@kernel
+def greatest_extensions(time: Floats, d: Floats, starts: Ints, w: float, slack: float, found: Table) -> None:
+    """The same of each of R signals end to end (see `strung`): (R, 5), the last 1 where the spring holds."""
+    for r in range(starts.size - 1):
+        first, final = starts[r], starts[r + 1]
+        most, when, z, u, holds = greatest_extension(time[first:final], d[first:final], w, slack)
+        found[r, 0], found[r, 1], found[r, 2], found[r, 3], found[r, 4] = most, when, z, u, 1.0 if holds else 0.0

@@ -14,7 +14,8 @@ import math
 import numpy as np
 
 from ridedown.compiled import inlined, kernel, part
-from ridedown.criteria.checks import Floats
+from ridedown.criteria.checks import Floats, Table
+from ridedown.criteria.strung import Ints, Strung
 
 # What a window may gain and still be passed over, relative in HIC^2: rounding of V is of that size.
 _SLACK = 1e-12
@@ -232,6 +233,42 @@ def best_window(
         elif last > first and time[last] > time[first] and time[finish] > time[begin]:
             best, start, end = _segment_pair(time, a, velocity, first, begin, window, best, start, end)
     return best, start, end
+
+
+@kernel
+def each_best(time: Floats, a: Floats, starts: Ints, window: float, work: Table, stack: _Stack, found: Table) -> None:
+    """HIC^2 of each of R signals end to end (see `strung`) in units of its largest sample, and that sample: (R, 2).
+
+    work: (5, 2 m), m a power of two, at least as many as the longest has samples.
+    """
+    for r in range(starts.size - 1):
+        first, final = starts[r], starts[r + 1]
+        scale = 0.0
+        for i in range(first, final):
+            scale = max(scale, a[i])
+        found[r, 0], found[r, 1] = 0.0, scale
+        if scale == 0.0:
+            continue
+        scaled, velocity = work[3], work[4]
+        for i in range(first, final):
+            scaled[i - first] = a[i] / scale
+        n = final - first
+        size = 1
+        while size < n - 1:
+            size *= 2
+        found[r, 0], _, _ = best_window(
+            time[first:final], scaled[:n], window, False, velocity[:n],  # noqa: FBT003 - kernels take no keywords
+            work[0][: 2 * size], work[1][: 2 * size], work[2][: 2 * size], stack,
+        )  # fmt: skip
+
+
+def search_each(signals: Strung, window: float) -> Floats:
+    """As `search`, of signals that are nowhere below 0, each in units of its largest sample: HIC^2 and that sample, (R, 2)."""
+    size = 1 << signals.longest.bit_length()
+    found = np.empty((signals.count, 2))
+    stack = np.empty((3 * 64 + 4, 3), dtype=np.int64)
+    each_best(signals.time, signals.values, signals.starts, window, np.empty((5, 2 * size)), stack, found)
+    return found
 
 
 def search(times: Floats, a: Floats, window: float, *, sampled: bool) -> Window:

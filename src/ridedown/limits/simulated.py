@@ -35,6 +35,7 @@ class ResponseEvidence:
             for name, result in response.occupants.items()
         )
         self.vehicles = tuple(response.vehicles)
+        self._pulses: dict[str, Pulse] = {}
 
     def signals(self, person: Person, measure: str) -> Signals:
         """The occupant's acceleration for the chest, or that of its body so called. Raises: CannotJudge."""
@@ -56,11 +57,13 @@ class ResponseEvidence:
 
         Before contact there is none, so that one which begins with a jump begins at zero.
         """
-        channel = f"{vehicle}.acceleration"
-        time, values = self.response.history(channel).si
-        if values[0] != 0.0:
-            time, values = np.concatenate((time[:1], time)), np.concatenate(([0.0], values))
-        return Pulse(time, values, values, (channel,))
+        if vehicle not in self._pulses:  # a dozen criteria ask for it
+            channel = f"{vehicle}.acceleration"
+            time, values = self.response.history(channel).si
+            if values[0] != 0.0:
+                time, values = np.concatenate((time[:1], time)), np.concatenate(([0.0], values))
+            self._pulses[vehicle] = Pulse(time, values, values, (channel,))
+        return self._pulses[vehicle]
 
     def across(self, vehicle: str, what: str) -> Signals:
         """Zero: the simulated crash is head-on, and nothing in it moves to the side, up or about the vertical."""

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
 from ridedown.criteria import STANDARD_GRAVITY
-from ridedown.criteria.moving import Floats, integral
+from ridedown.criteria.checks import Floats
+from ridedown.criteria.moving import integral
 from ridedown.errors import InvalidInput
 from ridedown.limits import CRITERIA, Evidence, OccupantCriteria, Person, Pulse, Signals, VehicleCriteria
 from ridedown.limits.evidence import MEASURES, CannotJudge

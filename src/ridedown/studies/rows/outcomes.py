@@ -24,13 +24,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ridedown import criteria
+from ridedown.criteria import many
+from ridedown.criteria.many import Many
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.network import Network, channels
 from ridedown.outcomes import Outcomes, known_outcomes, wanted
 from ridedown.scenario import Scenario, lower, substitute, total_forces
 from ridedown.simulation import simulate_many
-from ridedown.status import Status
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -38,8 +38,8 @@ Ints = NDArray[np.int64]
 SAMPLED_AT_ONCE = 512
 """Crashes whose channels are held sampled at one time: at 0.1 ms, 8 MB a channel."""
 
-Measure = Callable[[Floats, Floats], "float | None"]
-"""A criterion of one crash: times (T,) [s] and acceleration (T,) [m/s2] to its value in SI."""
+Measure = Callable[[Many], Floats]
+"""A criterion of many crashes: a body's accelerations sampled to its values in SI, (R,), NaN where it has none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,37 +51,20 @@ class Criterion:
     of_vehicle: bool = False
 
 
-def _pulse(measure: Measure) -> Measure:
-    """Of a vehicle: before contact there is no acceleration, so that one which begins with a jump begins at zero."""
-
-    def measured(time: Floats, values: Floats) -> float | None:
-        if values[0] != 0.0:
-            time, values = np.concatenate((time[:1], time)), np.concatenate(([0.0], values))
-        return measure(time, values)
-
-    return measured
-
-
-def _ridedown(time: Floats, values: Floats) -> float | None:
-    return criteria.occupant_ridedown_acceleration(time, values, np.zeros_like(values)).value
-
-
 CRITERIA: Mapping[str, Criterion] = {
-    "clip_3ms": Criterion("m/s2", lambda time, a: criteria.clip(time, a).value),
-    "clip_3ms_cumulative": Criterion("m/s2", lambda time, a: criteria.clip(time, a, cumulative=True).value),
-    "hic15": Criterion("", lambda time, a: criteria.hic(time, a, max_window=0.015).value),
-    "hic36": Criterion("", lambda time, a: criteria.hic(time, a, max_window=0.036).value),
-    "severity_index": Criterion("", criteria.severity_index),
-    "olc": Criterion("m/s2", _pulse(lambda time, a: criteria.olc(time, a).value), of_vehicle=True),
-    "vpi": Criterion("m/s2", _pulse(lambda time, a: criteria.vpi(time, a).value), of_vehicle=True),
-    "asi": Criterion("", _pulse(lambda time, a: criteria.asi(time, a).value), of_vehicle=True),
-    "asi_1998": Criterion("", _pulse(lambda time, a: criteria.asi(time, a, edition="EN 1317-1:1998").value), of_vehicle=True),
-    "thiv": Criterion("m/s", _pulse(lambda time, a: criteria.thiv(time, a).value), of_vehicle=True),
-    "phd": Criterion("m/s2", _pulse(lambda time, a: criteria.phd(time, a).value), of_vehicle=True),
-    "occupant_impact_velocity": Criterion(
-        "m/s", _pulse(lambda time, a: criteria.occupant_impact_velocity(time, a).value), of_vehicle=True
-    ),
-    "ridedown_acceleration": Criterion("m/s2", _pulse(_ridedown), of_vehicle=True),
+    "clip_3ms": Criterion("m/s2", many.clip),
+    "clip_3ms_cumulative": Criterion("m/s2", partial(many.clip, cumulative=True)),
+    "hic15": Criterion("", partial(many.hic, max_window=0.015)),
+    "hic36": Criterion("", partial(many.hic, max_window=0.036)),
+    "severity_index": Criterion("", many.severity_index),
+    "olc": Criterion("m/s2", many.olc, of_vehicle=True),
+    "vpi": Criterion("m/s2", many.vpi, of_vehicle=True),
+    "asi": Criterion("", many.asi, of_vehicle=True),
+    "asi_1998": Criterion("", many.asi_1998, of_vehicle=True),
+    "thiv": Criterion("m/s", many.thiv, of_vehicle=True),
+    "phd": Criterion("m/s2", many.phd, of_vehicle=True),
+    "occupant_impact_velocity": Criterion("m/s", many.occupant_impact_velocity, of_vehicle=True),
+    "ridedown_acceleration": Criterion("m/s2", many.phd, of_vehicle=True),  # along x the same
 }
 
 _EXACT = {"delta_v": "m/s", "dynamic_crush": "m"}
@@ -185,17 +168,16 @@ def compute(scenario: Scenario, table: Mapping[str, Floats], want: Wanted, *, st
 
 
 def _measure(want: Wanted, outcomes: Outcomes, times: Floats | None, found: dict[str, Floats], part: slice) -> None:
+    """Put in the criteria of the crashes that were solved to their end."""
     if times is None:
         return
-    whole = outcomes.status == Status.COMPLETED.value
+    whole = outcomes.completed
+    sampled = {channel: Many(times, values if whole.all() else values[whole]) for channel, values in outcomes.samples.items()}
     for name, (channel, criterion) in want.sampled.items():
-        of_each = partial(criterion.measure, times)
-        values = outcomes.samples[channel]
-        found[name][part] = [_number(of_each(values[row])) if whole[row] else math.nan for row in range(whole.size)]
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else value
+        column = np.full(whole.size, math.nan)
+        if whole.any():
+            column[whole] = criterion.measure(sampled[channel])
+        found[name][part] = column
 
 
 def _times(scenario: Scenario, table: Mapping[str, Floats], step: float) -> Floats:
