@@ -53,10 +53,10 @@ class Found:
             yield f"{found['evaluations']:,} rows, {seed}."
 
     @property
-    def front(self) -> tuple[dict[Quantity, Floats], dict[Quantity, Floats], int] | None:
-        """Parameters and objectives of the front, (R,) each, and the row that was chosen; None if there is no front."""
+    def front(self) -> tuple[dict[Quantity, Floats], dict[Quantity, Floats], int | None] | None:
+        """Parameters and objectives of the front, (R,) each, and the row of its knee, if it has one; None without a front."""
         front = self.results.get("front")
-        if not front or front["chosen"] is None:
+        if not front or not any(front["parameters"].values()):
             return None
         units = {one["words"]: one["unit"] for one in self.results["objectives"]}
         parameters = {self.quantities[name]: np.array(column) for name, column in front["parameters"].items()}

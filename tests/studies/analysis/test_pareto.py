@@ -129,6 +129,37 @@ def test_zero_is_a_seed_and_batches_do_not_matter():
 def test_the_knee():
     assert knee_of(np.array([[0.0, 4.0], [1.0, 3.5], [2.0, 1.0], [10.0, 0.0]])) == 2
     assert knee_of(np.array([[1.0, 1.0]])) == 0
+    # the plane through the corners of three goals is x + y + z = 1 here, and the middle is nearer the ideal
+    corners = np.eye(3)
+    assert knee_of(np.vstack([corners, [[0.2, 0.2, 0.2]]])) == 3
+    # two corners in one: both goals besides the first are best in the same design
+    assert knee_of(np.array([[0.0, 1.0, 1.0], [1.0, 0.0, 0.0], [0.2, 0.2, 0.2]])) == 2
+
+
+@pytest.mark.parametrize(
+    "front",
+    [
+        [[0.0, 1.0], [1.0, 0.0]],
+        [[0.0, 1.0], [0.25, 0.75], [1.0, 0.0]],
+        [[0.0, 1.0], [0.5, 0.9], [0.9, 0.5], [1.0, 0.0]],
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.6, 0.6]],
+        [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.5, 0.0]],
+    ],
+    ids=["two", "straight", "the wrong way", "the wrong way in three", "flat in three"],
+)
+def test_a_front_that_bulges_nowhere_to_the_better_side_has_no_knee(front):
+    assert knee_of(np.array(front)) is None
+
+
+def test_a_front_without_a_knee_says_so():
+    def circle(table):
+        angle = 0.5 * np.pi * table["a"]
+        return {"f": np.sin(angle), "g": np.cos(angle)}
+
+    front = pareto(circle, {"a": (0.0, 1.0)}, TWO, candidates=20, generations=5, seed=0)
+    assert front.size > 5
+    assert front.knee is None
+    assert "no knee" in front.warnings[0]
 
 
 def test_refuses():

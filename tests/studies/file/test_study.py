@@ -7,6 +7,7 @@ import pytest
 from ridedown import load
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import dump
+from ridedown.studies.file.limits import limits_of
 from ridedown.studies.file.study import load_study
 from ridedown.studies.rows.plan import plan_of
 
@@ -102,3 +103,47 @@ def test_files_that_are_no_study(tmp_path, name, text, said):
         (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(InvalidInput, match=said):
         load_study(tmp_path / name)
+
+
+STUDY_OF_ONE = {"scenario": "p1", "parameters": [{"path": "adult.restraint.stiffness", "range": ["40 kN/m", "160 kN/m"]}]}
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ({"kind": "sample", "outcomes": ["energy.final", "adult.hic_15"]}, "outcomes.1"),
+        ({"kind": "sample", "limits": [{"outcome": "adult.hic_15", "most": 700}]}, "limits.0.outcome"),
+        ({"kind": "box", "limits": [{"outcome": "adult.hic_15", "most": 700}]}, "limits.0.outcome"),
+        ({"kind": "optimise", "optimise": {"objectives": [{"outcome": "adult.hic_15"}]}}, "optimise.objectives.0.outcome"),
+        (
+            {
+                "kind": "optimise",
+                "optimise": {
+                    "objectives": [{"outcome": "adult.hic15"}],
+                    "constraints": [{"outcome": "adult.hic_15", "most": 700}],
+                },
+            },
+            "optimise.constraints.0.outcome",
+        ),
+    ],
+)
+def test_a_misspelt_outcome_is_said_where_it_stands_with_the_nearest(change, place):
+    with pytest.raises(UnknownName, match=rf"^{place}: no 'adult.hic_15'\. Did you mean 'adult.hic15'"):
+        plan_of(load_study({**STUDY_OF_ONE, **change}))
+
+
+def test_what_is_limited_is_kept_without_being_listed():
+    limits = [{"outcome": "adult.hic15", "most": 700}, {"outcome": "adult.excursion.max", "most": "300 mm"}]
+    kept = list(plan_of(load_study({**STUDY_OF_ONE, "kind": "sample", "limits": limits})).function.units)
+    usual = list(plan_of(load_study({**STUDY_OF_ONE, "kind": "sample"})).function.units)
+    assert kept == [*usual, "adult.hic15"]
+    listed = plan_of(load_study({**STUDY_OF_ONE, "kind": "sample", "limits": limits, "outcomes": ["energy.final"]}))
+    assert list(listed.function.units) == ["energy.final", "adult.hic15", "adult.excursion.max"]
+
+
+@pytest.mark.parametrize("kind", ["sample", "box"])
+def test_bounds_that_nothing_can_hold_at_once_are_refused(kind):
+    limits = [{"outcome": "adult.excursion.max", "most": "200 mm", "least": "0.3 m"}]
+    loaded = load_study({**STUDY_OF_ONE, "kind": kind, "limits": limits})
+    with pytest.raises(InvalidInput, match=r"limits\.0\.least: got 0\.3 m, above most, 200 mm; need least <= most"):
+        limits_of(loaded.study, plan_of(loaded).function.units)

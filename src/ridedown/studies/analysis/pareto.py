@@ -13,6 +13,7 @@ References:
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import comb
 from typing import Any, Literal
@@ -32,15 +33,18 @@ from ridedown.studies.analysis.goals import Goal, Judge, Population, Requirement
 
 Algorithm = Literal["nsga2", "nsga3"]
 
+_FLAT = 1e-6
+"""By what part of the front's size a knee is at least out of the plane: less is rounding."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Front:
     """A Pareto front, by rising first goal.
 
     parameters: a column (R,) each; goals: their words and values, (R, k); requirements: the values of their measures, (R, q).
-    knee: the row that bulges the most out of the plane through the best of each goal. hypervolume: what the front dominates of
-    the space up to `reference` (k,), in the goals' units. feasible: whether any design held all requirements; where none did,
-    the front is empty.
+    knee: the row that bulges the most out of the plane through the front's corners; None where none does. hypervolume: what the
+    front dominates of the space up to `reference` (k,), in the goals' units. feasible: whether any design held all
+    requirements; where none did, the front is empty.
     """
 
     parameters: Mapping[str, Floats]
@@ -157,6 +161,8 @@ def _front(judge: Judge, unit: Floats, reference: Sequence[float] | None, algori
         if reference is None:
             point = most + 0.1 * np.where(most > least, most - least, 1.0)
         knee = knee_of(bad)
+        if knee is None:
+            warnings.append("The front has no knee: nowhere does it bulge to the better side. Choose a design along it.")
         volume = float(HV(ref_point=point)(bad))
     else:
         warnings.append("No design was found that holds all requirements.")
@@ -178,15 +184,39 @@ def _front(judge: Judge, unit: Floats, reference: Sequence[float] | None, algori
     )
 
 
-def knee_of(bad: Floats) -> int:
-    """The row of a front (R, k), smaller being better, that is farthest below the plane through the best of each goal.
+def knee_of(bad: Floats) -> int | None:
+    """The row of a front (R, k), smaller being better, that bulges the most out of the plane through its corners.
+
+    None where no row does: a front that is straight, or bulges to the worse side, has no knee, and its ends are none. A front
+    of one design is its own knee.
 
     >>> knee_of(np.array([[0.0, 1.0], [0.2, 0.2], [1.0, 0.0]]))
     1
+    >>> knee_of(np.array([[0.0, 1.0], [0.8, 0.8], [1.0, 0.0]])) is None
+    True
     """
+    if len(bad) == 1:
+        return 0
     least, most = bad.min(axis=0), bad.max(axis=0)
     scaled = (bad - least) / np.where(most > least, most - least, 1.0)
-    return int(np.argmin(scaled.sum(axis=1)))
+    levels = scaled @ _normal(scaled)
+    row = int(np.argmin(levels))
+    return row if levels[row] < 1.0 - _FLAT else None
+
+
+def _normal(scaled: Floats) -> Floats:
+    """Of the plane normal @ x = 1 through a front's corners: for each goal the design that gives way in it the most alone.
+
+    Where corners coincide, or the plane leans over, it falls in all goals alike, and goes through the nearest of those designs
+    that are the best in a goal.
+    """
+    others = [np.delete(scaled, goal, axis=1).max(axis=1) for goal in range(scaled.shape[1])]
+    corners = scaled[[int(np.argmin(other)) for other in others]]
+    with suppress(np.linalg.LinAlgError):
+        normal = np.asarray(np.linalg.solve(corners, np.ones(len(corners))), dtype=np.float64)
+        if (normal > 0.0).all():
+            return normal
+    return np.full(len(corners), 1.0 / scaled[np.argmin(scaled, axis=0)].sum(axis=1).min())
 
 
 def _undominated(bad: Floats) -> Floats:

@@ -2,11 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.quantities import Refused, read
 from ridedown.studies.analysis.evaluation import Limit
 from ridedown.studies.file.study import Study
 from ridedown.units import dimension
+
+_SIDES = ("most", "least")
+
+
+class Bounds(Protocol):
+    """What an outcome may be at most, at least, or both, as a file has it."""
+
+    @property
+    def most(self) -> float | str | None:
+        """Largest value allowed."""
+        ...
+
+    @property
+    def least(self) -> float | str | None:
+        """Smallest value allowed."""
+        ...
 
 
 def limits_of(study: Study, units: dict[str, str]) -> tuple[Limit, ...]:
@@ -19,13 +37,23 @@ def limits_of(study: Study, units: dict[str, str]) -> tuple[Limit, ...]:
         names = [name for name in units if name == limit.outcome]
         names = names or [name for name in units if name.partition(".")[2] == limit.outcome]
         if not names:
-            raise UnknownName(f"limits.{i}.{UnknownName.among('outcome', limit.outcome, units)} List it under outcomes too.")
-        for side in ("most", "least"):
-            given = getattr(limit, side)
-            if given is not None:
-                value = value_of(f"limits.{i}.{side}", given, units[names[0]])
-                found += [Limit(name, **{side: value}) for name in names]
+            raise UnknownName.among(f"limits.{i}.outcome", limit.outcome, units)
+        bounds = bounds_of(f"limits.{i}", limit, units[names[0]])
+        found += [Limit(name, **{side: value}) for side, value in bounds.items() for name in names]
     return tuple(found)
+
+
+def bounds_of(where: str, given: Bounds, unit: str) -> dict[str, float]:
+    """The sides that are given, `most`, `least` or both, in SI.
+
+    Raises: InvalidInput for a value of another dimension, or sides that nothing can hold at once.
+    """
+    sides = {side: value_of(f"{where}.{side}", value, unit) for side in _SIDES if (value := getattr(given, side)) is not None}
+    if len(sides) == 2 and sides["least"] > sides["most"]:
+        raise InvalidInput(
+            f"{where}.least: got {given.least}, above most, {given.most}; need least <= most. No design could hold both."
+        )
+    return sides
 
 
 def value_of(where: str, given: float | str, unit: str) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,16 +65,19 @@ class Evaluator:
         cls,
         scenarios: Mapping[str, Scenario],
         parameters: tuple[Varied, ...],
-        outcomes: Sequence[str],
+        outcomes: Mapping[str, str],
         *,
+        usual: bool = False,
         weights: Mapping[str, float] | None = None,
         step: float = 1e-4,
     ) -> Evaluator:
-        """For scenarios by name, "" for the only one, and outcomes by name; the usual ones if there are none.
+        """For scenarios by name, "" for the only one, and outcomes by name, each with its place in the study file.
+
+        usual: before those the usual outcomes of each scenario.
 
         Raises: UnknownName for an outcome that no scenario has.
         """
-        wanted, weighted = _wanted(scenarios, outcomes)
+        wanted, weighted = _wanted(scenarios, outcomes, usual=usual)
         return cls(scenarios, weights or dict.fromkeys(scenarios, 1.0), parameters, wanted, weighted, step)
 
     @property
@@ -145,14 +148,16 @@ def _full(scenario: str, outcome: str) -> str:
     return f"{scenario}.{outcome}" if scenario else outcome
 
 
-def _wanted(scenarios: Mapping[str, Scenario], outcomes: Sequence[str]) -> tuple[dict[str, Wanted], tuple[str, ...]]:
+def _wanted(
+    scenarios: Mapping[str, Scenario], outcomes: Mapping[str, str], *, usual: bool
+) -> tuple[dict[str, Wanted], tuple[str, ...]]:
     """What is to be computed of each scenario, and which outcomes are means over all of them."""
-    if not outcomes:
-        return {name: wanted_of(scenario, None) for name, scenario in scenarios.items()}, ()
     known = {name: _known(scenario) for name, scenario in scenarios.items()}
     chosen: dict[str, dict[str, None]] = {name: {} for name in scenarios}
+    if usual:
+        chosen = {name: dict.fromkeys(wanted_of(scenario, None).units) for name, scenario in scenarios.items()}
     weighted: list[str] = []
-    for outcome in outcomes:
+    for outcome, place in outcomes.items():
         first, _, inner = outcome.partition(".")
         several = len(scenarios) > 1 or "" not in scenarios
         if several and first == WEIGHTED and all(inner in names for names in known.values()):
@@ -164,7 +169,7 @@ def _wanted(scenarios: Mapping[str, Scenario], outcomes: Sequence[str]) -> tuple
             hits = [(name, outcome) for name, names in known.items() if outcome in names]
         if not hits:
             every = [_full(name, key) for name, names in known.items() for key in names]
-            raise UnknownName.among("outcome", outcome, every)
+            raise UnknownName.among(place, outcome, every)
         for name, key in hits:
             chosen[name][key] = None
     return {name: wanted_of(scenarios[name], list(keys)) for name, keys in chosen.items()}, tuple(weighted)

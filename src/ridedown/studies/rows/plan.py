@@ -174,7 +174,14 @@ def plan_of(loaded: LoadedStudy) -> Plan:
         least = LeastPeaks.of(loaded.scenarios[""], study.bound)
         return Plan(loaded.hash, {EXCURSION: "m"}, Listed({EXCURSION: least.excursions}), least)
     parameters = parameters_of(loaded)
-    function = Evaluator.of(loaded.scenarios, parameters, asked_outcomes(study), weights=loaded.weights, step=study.step)
+    function = Evaluator.of(
+        loaded.scenarios,
+        parameters,
+        asked_outcomes(study),
+        usual=not study.outcomes and study.kind not in {"optimise", "box"},
+        weights=loaded.weights,
+        step=study.step,
+    )
     if (most := _most_asked(study)) is not None:
         asked = Asked(variables_of(study, parameters), most)
         return Plan(loaded.hash, {one.name: one.unit for one in parameters}, asked, function, ASKED_CHUNK)
@@ -194,14 +201,20 @@ def parameters_of(loaded: LoadedStudy) -> tuple[Varied, ...]:
     return resolve(study.parameters + further, loaded.scenarios, where=called)
 
 
-def asked_outcomes(study: Study) -> tuple[str, ...]:
-    """The outcomes that a study asks for: those listed, after those that a search is about; none for the usual ones."""
-    about: list[str] = []
+def asked_outcomes(study: Study) -> dict[str, str]:
+    """The outcomes that a study asks for by name, each with its place in the file: those sought, limited and listed."""
+    named: list[tuple[str, str]] = []
     if study.optimise is not None:
-        about += [one.outcome for one in (*study.optimise.objectives, *study.optimise.constraints)]
-    if study.box is not None:
-        about += [limit.outcome for limit in study.limits]
-    return tuple(dict.fromkeys([*about, *study.outcomes]))
+        for table in ("objectives", "constraints"):
+            each = getattr(study.optimise, table)
+            named += [(one.outcome, f"optimise.{table}.{i}.outcome") for i, one in enumerate(each)]
+    limited = [(limit.outcome, f"limits.{i}.outcome") for i, limit in enumerate(study.limits)]
+    listed = [(outcome, f"outcomes.{i}") for i, outcome in enumerate(study.outcomes)]
+    named += [*limited, *listed] if study.box is not None else [*listed, *limited]
+    places: dict[str, str] = {}
+    for name, place in named:
+        places.setdefault(name, place)
+    return places
 
 
 def _most_asked(study: Study) -> int | None:

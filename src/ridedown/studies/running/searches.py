@@ -14,7 +14,7 @@ from ridedown.studies.analysis.evaluation import Evaluator
 from ridedown.studies.analysis.goals import Beyond, Goal, Mean, MeanPlus, Measure, Population, QuantileOf, Requirement, Worst
 from ridedown.studies.analysis.importance import rare_event
 from ridedown.studies.analysis.optimise import optimise
-from ridedown.studies.file.limits import limits_of, value_of
+from ridedown.studies.file.limits import bounds_of, limits_of, value_of
 from ridedown.studies.file.options import Measured, OptimiseOptions
 from ridedown.studies.file.parameters import Floats, Varied
 from ridedown.studies.file.study import LoadedStudy, Study
@@ -198,11 +198,7 @@ def _goals(options: OptimiseOptions, units: Mapping[str, str]) -> tuple[list[Goa
         where = f"optimise.constraints.{i}"
         name, measure = _measured(where, constraint, units)
         unit = "" if isinstance(measure, Beyond) else units[name]
-        for side in ("most", "least"):
-            given = getattr(constraint, side)
-            if given is None:
-                continue
-            bound = value_of(f"{where}.{side}", given, unit)
+        for side, bound in bounds_of(where, constraint, unit).items():
             if isinstance(measure, Beyond) and not 0.0 <= bound <= 1.0:
                 raise InvalidInput(f"{where}.{side}: got {bound:g}; need a share from 0 to 1. It bounds the probability.")
             requirements.append(Requirement(name, measure=measure, **{side: bound}))
@@ -217,7 +213,7 @@ def _measured(where: str, given: Measured, units: Mapping[str, str]) -> tuple[st
     names = [name for name in units if name == given.outcome]
     names = names or [name for name in units if name.partition(".")[2] == given.outcome]
     if not names:
-        raise UnknownName(f"{where}.{UnknownName.among('outcome', given.outcome, units)}")
+        raise UnknownName.among(f"{where}.outcome", given.outcome, units)
     if len(names) > 1:
         raise InvalidInput(
             f"{where}.outcome: got {given.outcome}, which {len(names)} scenarios have; need one of {', '.join(names)}, or "
