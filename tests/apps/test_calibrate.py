@@ -64,7 +64,15 @@ def test_it_prints_and_writes_what_it_finds(file, tmp_path):
     for words in ("stiffness", "95 % band", "ISO/TS 18571", "Predicted numbers", "Correlations"):
         assert words in result.stdout
     written = {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}
-    assert {"index.html", "calibration.json", "parameters.json", "correlations.svg", "scenarios/offset.toml"} <= written
+    assert {
+        "index.html",
+        "report.pdf",
+        "calibration.json",
+        "parameters.json",
+        "correlations.svg",
+        "scenarios/offset.toml",
+    } <= written
+    assert (out / "report.pdf").read_bytes().startswith(b"%PDF-")
     page = (out / "index.html").read_text()
     assert page.count("<img") == 4  # measured against model, predicted, residuals, correlations
     assert "http" not in page.replace("http://www.w3.org", "")

@@ -1,4 +1,4 @@
-"""A calibration as a folder of files: one HTML page, figures, fitted scenarios, parameters."""
+"""A calibration as a folder of files: one HTML page, the same as PDF, figures, fitted scenarios, parameters."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from ridedown.report import calibration_tables
 from ridedown.report.jsontext import json_text
 from ridedown.report.page import render
+from ridedown.report.pdf import Document, Part
+from ridedown.report.pdf import pdf as set_on_paper
 from ridedown.report.style import PALETTE, Plot, draw_line, finish, new_axes
 from ridedown.studies import Calibrated
 from ridedown.studies.calibration.fitted import FittedChannel
@@ -22,14 +24,16 @@ Floats = NDArray[np.float64]
 
 _MODEL, _MEASURED, _RESIDUAL = 1, 6, 0
 _LONGEST_LABEL = 26
+_UNTITLED = "A calibration"
 
 
 def write(found: Calibrated, folder: Path) -> None:
-    """Write page, figures (SVG), results (JSON), parameters (JSON) and fitted scenarios (TOML) into an existing folder."""
+    """Write page, PDF, figures (SVG), results and parameters (JSON) and fitted scenarios (TOML) into an existing folder."""
     drawn = plots(found)
     for plot in drawn:
         (folder / f"{plot.name}.svg").write_bytes(plot.svg)
     (folder / "index.html").write_text(html(found, drawn), encoding="utf-8")
+    (folder / "report.pdf").write_bytes(pdf(found, drawn))
     (folder / "calibration.json").write_text(json_text(found.as_json()) + "\n", encoding="utf-8")
     (folder / "parameters.json").write_text(json_text(found.parameters_json()) + "\n", encoding="utf-8")
     scenarios = folder / "scenarios"
@@ -67,7 +71,7 @@ def html(found: Calibrated, drawn: tuple[Plot, ...]) -> str:
     return render(
         "ridedown.report",
         "calibration.html",
-        title=found.calibration.title or "A calibration",
+        title=found.calibration.title or _UNTITLED,
         description=found.calibration.description,
         warnings=found.warnings,
         parameters=parameters,
@@ -81,6 +85,30 @@ def html(found: Calibrated, drawn: tuple[Plot, ...]) -> str:
         posterior=by_name.get("posterior"),
         scenarios=[(name, found.toml(name)) for name in found.scenarios],
     )
+
+
+def pdf(found: Calibrated, drawn: tuple[Plot, ...]) -> bytes:
+    """The same on paper, A4."""
+    by_name = {plot.name: plot for plot in drawn}
+    fitted, predicted = (tuple(by_name[_name(c)] for c in found.channels if c.fitted is kind) for kind in (True, False))
+    parameters, *others = calibration_tables.tables(found)
+    fits = tuple(table for table in others if not table.caption.startswith("Predicted"))
+    predictions = tuple(table for table in others if table.caption.startswith("Predicted"))
+    residuals = tuple(plot for plot in drawn if plot.name.startswith("residuals-"))
+    last = tuple(by_name[name] for name in ("correlations", "posterior") if name in by_name)
+    parts = (
+        Part("Parameters", tables=(parameters,)),
+        Part("Model against measured", tables=fits, plots=fitted),
+        Part("Predictions", tables=predictions, plots=predicted),
+        Part("Residuals", plots=residuals),
+        Part("Correlations", tables=(calibration_tables.correlations(found),), plots=last),
+        *(Part(f"Fitted scenario: {name}", text=found.toml(name)) for name in found.scenarios),
+    )
+    made, agreed = found.starts
+    status = f"{found.tried:,} candidates; {agreed} of {made} searches ended here"
+    title, description = found.calibration.title or _UNTITLED, found.calibration.description
+    shown = tuple(part for part in parts if part.tables or part.plots or part.text)
+    return set_on_paper(Document(title, description, status, found.warnings, shown))
 
 
 def plots(found: Calibrated) -> tuple[Plot, ...]:

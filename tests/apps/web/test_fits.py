@@ -100,6 +100,7 @@ def test_a_fit_of_the_page_is_that_of_the_library(server: Running, measured: Pat
     report = server.request("GET", f"/fit/{told['fit']}/report.html")
     assert report.status == 200
     assert b"ISO/TS 18571" in report.content
+    assert server.request("GET", f"/fit/{told['fit']}/report.pdf").content.startswith(b"%PDF-")
     assert server.request("GET", f"/fit/{told['fit']}/else").status == 404
     assert server.request("GET", "/fit/nothing/scenario.toml").status == 404
 
@@ -162,7 +163,7 @@ def test_bounds_that_cannot_be_are_told_by_the_fit(table: bytes) -> None:
     header, _ = ended(held, told["fit"])
     assert "bounds" in header["trouble"]
     with pytest.raises(InvalidInput, match="without a result"):
-        held.report(told["fit"])
+        held.report(told["fit"], "report.html")
 
 
 LONG = PLAIN | {"template": "belt and airbag", "free": None, "held": None, "effort": "thorough"}

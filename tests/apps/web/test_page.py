@@ -409,8 +409,11 @@ def test_a_restraint_is_fitted_to_a_measured_test(watched: Watched, dropped: Pag
     [name] = expected.scenarios
     assert Path(waiting.value.path()).read_text(encoding="utf-8") == expected.toml(name)
     with page.expect_download() as waiting:
-        page.get_by_role("link", name="Calibration report").click()
+        page.get_by_role("link", name="HTML report").click()
     assert b"ISO/TS 18571" in Path(waiting.value.path()).read_bytes()
+    with page.expect_download() as waiting:
+        page.get_by_role("link", name="PDF report").click()
+    assert Path(waiting.value.path()).read_bytes().startswith(b"%PDF-")
     page.wait_for_timeout(300)
     other = watched.open("#" + page.url.partition("#")[2], wait=".calibrate .results")  # the address finds the fit again
     assert shown_fit(other) == shown_fit(page)

@@ -47,11 +47,9 @@ def through_a_class(frequency_class: float) -> Noise:
 
     def draw(rng: np.random.Generator) -> NDArray[np.float64]:
         drawn = rng.normal(0.0, 1.0, _TIMES.size + 2 * _BEFORE)
-        smooth: NDArray[np.float64] = filtered(TimeHistory(drawn, "", interval=1e-4), frequency_class).values[
-            _BEFORE : _BEFORE + _TIMES.size
-        ]
-        smooth /= smooth.std()
-        return smooth
+        smooth = filtered(TimeHistory(drawn, "", interval=1e-4), frequency_class).values[_BEFORE : _BEFORE + _TIMES.size]
+        made: NDArray[np.float64] = smooth / smooth.std()
+        return made
 
     return draw
 

@@ -228,7 +228,8 @@ function Result({ standing, curves, change, theme }: { standing: FitStanding; cu
       <div class="actions">
         <button type="button" onClick={open}>Open the fitted scenario in Crash</button>
         <a class="button" href={`fit/${standing.fit}/scenario.toml`} download>Scenario file</a>
-        <a class="button" href={`fit/${standing.fit}/report.html`} download>Calibration report</a>
+        <a class="button" href={`fit/${standing.fit}/report.html`} download>HTML report</a>
+        <a class="button" href={`fit/${standing.fit}/report.pdf`} download>PDF report</a>
       </div>
       <DataTable table={result.parameters} />
       {result.warnings.map((warning) => <p key={warning} class="note">{warning}</p>)}

@@ -167,10 +167,10 @@ async def _fit(request: Request, server: Server) -> Response:
     key, what = request.path_params["key"], request.path_params["what"]
     if what == "scenario.toml":
         content, media_type = server.fits.scenario(key), "application/toml"
-    elif what == "report.html":
-        content, media_type = await server.draw(server.fits.report, key), _REPORTS[what]
+    elif what in _REPORTS:
+        content, media_type = await server.draw(server.fits.report, key, what), _REPORTS[what]
     else:
-        raise UnknownName.among("file", what[:50], ("scenario.toml", "report.html"))
+        raise UnknownName.among("file", what[:50], ("scenario.toml", *_REPORTS))
     headers = {"content-disposition": f'attachment; filename="fit-{what}"'}
     return Response(content, media_type=media_type, headers=headers)
 

@@ -94,12 +94,16 @@ class Fits:
         found = self._found(key)
         return found.toml(_case(found)).encode()
 
-    def report(self, key: str) -> bytes:
-        """The page of a calibration, as `ridedown calibrate` writes it. Raises: InvalidInput, UnknownName."""
-        from ridedown.report.calibration import html, plots  # noqa: PLC0415  draws, which takes a second to load
+    def report(self, key: str, file: str) -> bytes:
+        """The page of a calibration, as `ridedown calibrate` writes it, or the same as `report.pdf`.
+
+        Raises: InvalidInput, UnknownName.
+        """
+        from ridedown.report.calibration import html, pdf, plots  # noqa: PLC0415  draws, which takes a second to load
 
         found = self._found(key)
-        return html(found, plots(found)).encode()
+        drawn = plots(found)
+        return pdf(found, drawn) if file == "report.pdf" else html(found, drawn).encode()
 
     # what a request asks for
 

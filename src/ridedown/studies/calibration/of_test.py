@@ -191,7 +191,7 @@ def calibration_of_test(
     if not last > 0.0:
         raise InvalidInput(f"end: got {1e3 * last:g} ms; need a time after 0, within the recording. Choose a later one.")
     values = {f"{who}.{numbers[name].path}": value for name, value in (held or {}).items() if name not in bounds}
-    values["duration"] = min(sled.duration, last + _AFTER)
+    values["duration"] = min(sled.duration, round(last + _AFTER, 9))
     peak = _PEAK * float(np.abs(history.si[1]).max())
     target = {"channel": f"{who}.acceleration", "measured": info.key, "cfc": CFC, "window": [0.0, last]}
     return Calibration.model_validate(
