@@ -13,7 +13,7 @@ from ridedown import catalogue
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.network import Network
 from ridedown.network.model import NUMBERS
-from ridedown.scenario import CrashScenario, load, lower, parameters, substitute
+from ridedown.scenario import CrashScenario, broken_rules, load, lower, parameters, substitute
 
 Change = Callable[..., dict[str, Any]]
 
@@ -198,3 +198,25 @@ def test_an_unknown_path_offers_the_nearest(crash: Change, path: str, nearest: s
 
 def test_no_rows_are_no_crashes(crash: Change) -> None:
     assert lower(substitute(load(crash()), {"vehicle1.mass": np.empty(0)})).size == 0
+
+
+@pytest.mark.parametrize(
+    ("source", "path"),
+    [
+        ("p1", "vehicle1.mass"),
+        ("sled-trapezoid", "pulse.fall"),
+        ({"pulse": {"kind": "tipped-equivalent-square-wave", "speed": 15, "crush": 0.62, "time": 0.09}}, "pulse.crush"),
+    ],
+)
+def test_no_rows_break_no_rule(source: str | dict[str, Any], path: str) -> None:
+    assert [p.value for p in parameters(substitute(load(source), {path: np.empty(0)})) if np.size(p.value) == 0] != []
+    assert broken_rules(load(source), {path: np.empty(0)}) == {}
+
+
+def test_rules_between_fields_are_not_asked_of_rows_that_are_out_of_bounds() -> None:
+    table = {"pulse.fall": np.array([0.9, 0.1, 0.1]), "adult.mass": np.array([80.0, 80.0, 0.0])}
+    broken = broken_rules(load("sled-trapezoid"), table)
+    assert [mask.tolist() for need, mask in broken.items() if need.startswith("adult.mass")] == [[False, False, True]]
+    assert all(not mask[2] for need, mask in broken.items() if need.startswith("pulse"))
+    alone = broken_rules(load("sled-trapezoid"), {"pulse.fall": np.array([0.1]), "adult.mass": np.array([0.0])})
+    assert [mask.tolist() for mask in alone.values()] == [[True]]

@@ -267,13 +267,14 @@ def brakes(field: str, gone: float) -> Check:
 
 
 def one_of(value: Number) -> float:
-    """The value; of a column whose values are all the same, the first."""
-    return float(np.ravel(value)[0])
+    """The value; of a column whose values are all the same, the first, and of none NaN."""
+    values = np.ravel(value)
+    return float(values[0]) if values.size else np.nan
 
 
 def same_in_all(field: str, value: Number) -> Check:
     """The rule that a number which makes the shape of a pulse is the same in every row."""
-    alike: Truth = True if not isinstance(value, np.ndarray) else value == value[0]
+    alike: Truth = True if not isinstance(value, np.ndarray) else value == value[:1]
     fix = (
         "It makes the shape of the pulse, which all rows share; vary delta_v, duration or peak, or take one scenario for each."
     )
