@@ -8,11 +8,9 @@ at once, side by side. What is left goes to Bernstein coefficients.
 
 from __future__ import annotations
 
-import numpy as np
-
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
-from ridedown.solver import laws, polynomial, together
+from ridedown.solver import laws, polynomial, series, together
 from ridedown.solver.layout import DEGREE, DRIFT, G0, GA, GD0, GV0, STRIDE, A, B, Table, at, guard_at, row
 from ridedown.solver.vector import ALL_LANES, WIDTH, first_lane, lanes_of, load, spread, store, where
 
@@ -22,7 +20,6 @@ ACCELERATION_ROUND_OFF = 1e-11  # m/s2
 NO_EVENT = -1
 _SAME = 1e-13  # of the step: at one instant, within round-off
 _IDLE_ALL = 6  # steps of no length in which every negative guard may change its mode at once; then one at a time
-_ORDER = np.arange(DEGREE + 3.0)
 NO, YES = 0.0, 1.0
 """Whether a step goes on to its pause, as a number of the lane."""
 _FIRST, _LATEST, _SOONEST = ((DEGREE + n) * STRIDE for n in (1, 2, 3))
@@ -33,14 +30,15 @@ POWER_ROWS = DEGREE + 7
 
 @kernel
 def find(
-    lanes: int, law: Ints, pair_element: Ints, second_pair: Ints, guard: Floats, d: Floats, crash: Ints, last: Floats,
-    idle: Floats, step: Floats, power: Floats, event: Ints, pending: Ints, pending_count: Ints, falling: Floats, owner: Ints,
-    poly: Floats, room: Table,
+    lanes: int, law: Ints, pair_element: Ints, second_pair: Ints, rests: Ints, coordinates: int, term_start: Ints,
+    term_coordinate: Ints, term_sign: Floats, lever: Ints, arm: Floats, q: Floats, tan: Floats, bend: Floats, guard: Floats,
+    d: Floats, crash: Ints, last: Floats, idle: Floats, step: Floats, power: Floats, event: Ints, pending: Ints,
+    pending_count: Ints, falling: Floats, owner: Ints, shape: Floats, poly: Floats, room: Table,
 ) -> None:  # fmt: skip
     """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
     The step of a lane with an event shrinks to it, and `pending`, empty at first, names the guards whose modes change then.
-    `falling` and `owner` are room for one guard a lane and more, to be solved together.
+    `falling` and `owner` are room for guards to be solved together, `shape` for one guard in the lanes of a block.
     """
     count = 0
     for block in range(0, lanes, WIDTH):
@@ -53,32 +51,28 @@ def find(
             if law[e] == laws.ELASTIC:
                 suspects = _suspects_of_curve(block, e, guard, d, power)
             elif law[e] == laws.RESTRAINT:
+                if _keeps_its_mode(
+                    block, e, second_pair[e], coordinates, term_start, term_coordinate, term_sign, lever, arm, bend, guard, d,
+                    power,
+                ):  # fmt: skip
+                    continue
+                if rests[row(e) + block] != 0:
+                    series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
                 suspects = _suspects_of_restraint(block, e, second_pair[e], guard, d, power)
             else:
                 suspects = _suspects(block, e, guard, d, power)
-            while suspects != 0:
-                bit = first_lane(suspects)
-                suspects &= suspects - 1
-                l, g = block + bit % WIDTH, 2 * e + bit // WIDTH
-                if bit >= 2 * WIDTH:
-                    g += 2 * (second_pair[e] - e - 1)
-                if crash[l] < 0 or power[_SOONEST + (bit // WIDTH) * STRIDE + l] > power[_LATEST + l]:
+            for n in range(4 if law[e] == laws.RESTRAINT else 2):
+                bits = (suspects >> (n * WIDTH)) & ALL_LANES
+                if bits == 0:
                     continue
-                if count == STRIDE:
+                if count > STRIDE - WIDTH:
                     _note_all(count, falling, owner, power, event)
                     count = 0
-                if law[e] == laws.RESTRAINT:
-                    kind = _examine_restraint(g, e, l, guard, d, power, pending, pending_count, falling, count, poly)
-                else:
-                    kind = _examine(g, l, guard, d, power, pending, pending_count, falling, count, poly)
-                if kind == _FALLS:
-                    owner[2 * count] = l
-                    owner[2 * count + 1] = g
-                    count += 1
-                elif kind == _SEARCH:
-                    root = polynomial.first_root(poly, room)
-                    power[_LATEST + l] = min(power[_LATEST + l], root)
-                    _note(g, l, root, power, event)
+                g = 2 * (e if n < 2 else second_pair[e]) + n % 2
+                count = _examine(
+                    g, e, block, bits, _SOONEST + n * STRIDE, guard, d, crash, power, event, pending, pending_count, falling,
+                    owner, count, shape, poly, room,
+                )  # fmt: skip
     _note_all(count, falling, owner, power, event)
     for l in range(lanes):
         if pending_count[l] > 0:  # rule 2: a step of no length
@@ -149,6 +143,32 @@ def _suspects_of_curve(block, e, guard, d, power):
 
 
 @part
+def _keeps_its_mode(block, e, pair, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend, guard, d, power):
+    """Whether no guard of a restraint can turn negative in any lane of a block, by how far its coordinates can stray."""
+    away, faster = spread(0.0), spread(0.0)
+    for n in range(term_start[e], term_start[e + 1]):
+        i, weight = 2 * term_coordinate[n], abs(term_sign[n])
+        away += weight * load(bend, row(i) + block)
+        faster += weight * load(bend, row(i + 1) + block)
+    if lever[e] >= 0:
+        i, weight = 2 * (coordinates + lever[e]), abs(load(arm, row(e) + block))
+        away += weight * load(bend, row(i) + block)
+        faster += weight * load(bend, row(i + 1) + block)
+    here, rate, length = load(d, at(e, 0) + block), load(d, at(e, 1) + block), load(power, row(1) + block)
+    for n in range(4):
+        g = 2 * (e if n < 2 else pair) + n % 2
+        a, b = load(guard, guard_at(g, A) + block), load(guard, guard_at(g, B) + block)
+        if lanes_of(abs(load(guard, guard_at(g, GA) + block)) > 0.0) != 0:
+            return False
+        start = load(guard, guard_at(g, G0) + block) + a * (here - load(guard, guard_at(g, GD0) + block))
+        start += b * (rate - load(guard, guard_at(g, GV0) + block))
+        slope = a * (rate + load(guard, guard_at(g, DRIFT) + block)) * length
+        if _unclear(a, b, start, slope, -(abs(a) * away + abs(b) * faster), power, _SOONEST + block, 0.0) != 0:
+            return False
+    return True
+
+
+@part
 def _suspects_of_restraint(block, e, pair, guard, d, power):
     """The same of the four guards of a restraint: those of its second pair come last.
 
@@ -201,35 +221,6 @@ def _range(o, times, p, d, power):
     return down, up
 
 
-@part
-def _examine_restraint(g, e, l, guard, d, power, pending, pending_count, falling, column, p):
-    """Read one guard of a restraint closely, as `_examine` does."""
-    a, b, ga = guard[guard_at(g, A) + l], guard[guard_at(g, B) + l], guard[guard_at(g, GA) + l]
-    round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b) + ACCELERATION_ROUND_OFF * abs(ga)
-    o = at(e, 0) + l
-    for j in range(DEGREE + 1):
-        here = d[o + j * STRIDE]
-        rate = (j + 1.0) * d[o + (j + 1) * STRIDE] if j < DEGREE else 0.0
-        bend = (j + 1.0) * (j + 2.0) * d[o + (j + 2) * STRIDE] if j < DEGREE - 1 else 0.0
-        if j == 0:
-            here -= guard[guard_at(g, GD0) + l]
-            rate -= guard[guard_at(g, GV0) + l]
-        elif j == 1:
-            here += guard[guard_at(g, DRIFT) + l]
-        p[j] = (a * here + b * rate + ga * bend) * power[row(j) + l]
-    p[0] += guard[guard_at(g, G0) + l]
-    if p[0] < -round_off:
-        return _postpone(g, l, power, pending, pending_count)
-    first = 0 if p[0] > round_off else 1
-    while first < DEGREE and abs(p[first]) <= round_off:
-        first += 1
-    if abs(p[first]) <= round_off:
-        return _CLEAR
-    if p[first] < 0.0:
-        return _postpone(g, l, power, pending, pending_count)
-    return _examine_shape(p, first, l, column, falling, power)
-
-
 @inlined
 def _unclear(a, b, start, slope, dip, power, soonest, more):
     round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b) + more
@@ -240,41 +231,87 @@ def _unclear(a, b, start, slope, dip, power, soonest, more):
     return lanes_of(stays | leaves) ^ ALL_LANES
 
 
-@inlined
-def _examine(g, l, guard, d, power, pending, pending_count, falling, column, p):
-    """Read one guard closely, its polynomial on the step scaled to [0, 1].
+@part
+def _examine(
+    g, e, block, bits, soonest, guard, d, crash, power, event, pending, pending_count, falling, owner, count, shape, poly, room
+):  # fmt: skip
+    """Read guard g of element e closely in the lanes of a block that `bits` names: its polynomial, scaled to [0, 1].
 
-    Answers _CLEAR, _FALLS (one root: the polynomial goes into that column of `falling`) or _SEARCH (it goes into p); it is
-    divided by t as often as it starts at zero.
+    Where it has one root, the polynomial goes into a column of `falling`; how many of them are in use after that.
     """
-    e = g // 2
-    a, b = guard[guard_at(g, A) + l], guard[guard_at(g, B) + l]
-    round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
-    o, to = at(e, 0) + l, row(0) + column
-    c = a * (d[o] - guard[guard_at(g, GD0) + l]) + b * (d[o + STRIDE] - guard[guard_at(g, GV0) + l])
-    falling[to] = c
-    if c < -round_off:
-        return _postpone(g, l, power, pending, pending_count)
-    first = 0 if c > round_off else 1
-    end, fastest = c, 0.0
-    end_even, fastest_even = 0.0, 0.0  # sums of every second order, for they need not wait for each other
-    for j in range(1, DEGREE, 2):
-        this, that = d[o + j * STRIDE], d[o + (j + 1) * STRIDE]
-        c = (a * this + _ORDER[j + 1] * b * that) * power[row(j) + l]
-        rate = _ORDER[j + 2] * b * d[o + (j + 2) * STRIDE] if j + 1 < DEGREE else 0.0
-        c_even = (a * that + rate) * power[row(j + 1) + l]
-        falling[to + j * STRIDE] = c
-        falling[to + (j + 1) * STRIDE] = c_even
+    a, b = load(guard, guard_at(g, A) + block), load(guard, guard_at(g, B) + block)
+    ga = load(guard, guard_at(g, GA) + block)
+    _read(e, g, block, a, b, ga, guard, d, power, shape)
+    start, end, fastest = load(shape, row(0)), load(shape, row(_END)), load(shape, row(_FASTEST))
+    least = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b) + ACCELERATION_ROUND_OFF * abs(ga)
+    store(shape, row(_ROUND_OFF), least)
+    negative, positive = lanes_of(start < -least), lanes_of(start > least)
+    falls, stays = positive & lanes_of(fastest < 0.0), lanes_of(end > 0.0)
+    while bits != 0:
+        n = first_lane(bits)
+        bits &= bits - 1
+        l, lane = block + n, 1 << n
+        if crash[l] < 0 or power[soonest + l] > power[_LATEST + l]:
+            continue
+        kind = _CLEAR
+        if negative & lane != 0:
+            _postpone(g, l, power, pending, pending_count)
+        elif falls & lane != 0:
+            if stays & lane == 0:
+                kind = _FALLS
+                for j in range(DEGREE + 1):
+                    falling[row(j) + count] = shape[row(j) + n]
+                _falls(shape[n], shape[row(_END) + n], shape[row(_FASTEST) + n], l, count, falling, power)
+        else:
+            for j in range(DEGREE + 1):
+                poly[j] = shape[row(j) + n]
+            round_off = shape[row(_ROUND_OFF) + n]
+            kind = _examine_one(g, l, positive & lane != 0, round_off, poly, pending, pending_count, count, falling, power)
+        if kind == _FALLS:
+            owner[2 * count] = l
+            owner[2 * count + 1] = g
+            count += 1
+        elif kind == _SEARCH:
+            root = polynomial.first_root(poly, room)
+            power[_LATEST + l] = min(power[_LATEST + l], root)
+            _note(g, l, root, power, event)
+    return count
+
+
+_END, _FASTEST, _ROUND_OFF = DEGREE + 1, DEGREE + 2, DEGREE + 3
+"""Rows of `shape` after the coefficients: the guard at the step's end, how slowly it falls at least, its round-off."""
+SHAPE_ROWS = DEGREE + 4
+
+
+@inlined
+def _read(e, g, block, a, b, ga, guard, d, power, shape):
+    """The coefficients of a guard in all lanes of a block, and what they come to, into the rows of `shape`."""
+    rates, bends = lanes_of(abs(b) + abs(ga) > 0.0) != 0, lanes_of(abs(ga) > 0.0) != 0
+    o, p = at(e, 0) + block, row(0) + block
+    end = load(guard, guard_at(g, G0) + block) + a * (load(d, o) - load(guard, guard_at(g, GD0) + block))
+    end += b * (load(d, o + STRIDE) - load(guard, guard_at(g, GV0) + block)) + 2.0 * ga * load(d, o + 2 * STRIDE)
+    store(shape, row(0), end)
+    fastest = spread(0.0)
+    for j in range(1, DEGREE + 1):
+        c = a * load(d, o + j * STRIDE)
+        if j == 1:
+            c += a * load(guard, guard_at(g, DRIFT) + block)
+        if rates and j < DEGREE:
+            c += ((j + 1.0) * b) * load(d, o + (j + 1) * STRIDE)
+        if bends and j < DEGREE - 1:
+            c += ((j + 1.0) * (j + 2.0) * ga) * load(d, o + (j + 2) * STRIDE)
+        c *= load(power, p + j * STRIDE)
+        store(shape, row(j), c)
         end += c
-        end_even += c_even
-        fastest += _ORDER[j] * max(c, 0.0) if j > 1 else c
-        fastest_even += _ORDER[j + 1] * max(c_even, 0.0)
-    end += end_even
-    fastest += fastest_even
-    if first == 0 and fastest < 0.0:
-        return _falls(falling[to], end, fastest, l, column, falling, power)
-    for j in range(DEGREE + 1):
-        p[j] = falling[to + j * STRIDE]
+        fastest += c if j == 1 else float(j) * max(c, 0.0)
+    store(shape, row(_END), end)
+    store(shape, row(_FASTEST), fastest)
+
+
+@part
+def _examine_one(g, l, positive, round_off, p, pending, pending_count, column, falling, power):
+    """Read a guard that does not simply fall from a positive start; where it starts at zero, p is divided by t as often."""
+    first = 0 if positive else 1
     while first < DEGREE and abs(p[first]) <= round_off:
         first += 1  # within round-off of zero: the next coefficient decides, and the root at zero is divided out
     if abs(p[first]) <= round_off:

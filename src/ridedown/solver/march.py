@@ -83,17 +83,17 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
     term_start, term_coordinate, term_sign = s.term_start, s.term_coordinate, s.term_sign
     pull_start, pull_element, pull_sign = s.pull_start, s.pull_element, s.pull_sign
     piece_start, coefficients, pieces, duration = s.piece_start, x.coefficients, x.pieces, x.duration
-    pair_element, second_pair, empty = s.pair_element, s.second_pair, s.empty
+    pair_element, second_pair, empty, quiet = s.pair_element, s.second_pair, s.empty, s.quiet
     timer_element, timer_action, timer_value = s.timer_element, s.timer_action, x.timer_value
     driven, pulse_start, pulse_series, pulse_length = s.driven, s.pulse_start, s.pulse_series, x.pulse_length
-    crash, until, time, step, power = w.crash, w.until, w.time, w.step, w.power
+    crash, until, time, step, power, bend, rests = w.crash, w.until, w.time, w.step, w.power, w.bend, w.rests
     pause, timer, pulse, origin, piece = w.pause, w.timer, w.pulse, w.origin, w.piece
     last, steps, idle = w.last, w.steps, w.idle
     q, acc, d, f = w.q, w.acc, w.d, w.f
     tan, sec2, turn, moment = w.tan, w.sec2, w.turn, w.moment
     inverse_inertia, scale, mode, line, guard, memory = w.inverse_inertia, w.scale, w.mode, w.line, w.guard, w.memory
     event, pending, pending_count, falling, owner = w.event, w.pending, w.pending_count, w.falling, w.owner
-    extreme, sampled, work, lane_series, poly, room = w.extreme, w.sampled, w.work, w.series, w.poly, w.room
+    extreme, sampled, work, lane_series, shape, poly, room = w.extreme, w.sampled, w.work, w.series, w.shape, w.poly, w.room
     tracked_start, tracked_family, tracked_index = s.tracked_start, s.tracked_family, s.tracked_index
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
@@ -102,6 +102,7 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
     samples, kept = out.samples, record.kept
 
     timed = driven >= 0 or timer_element.size > 0
+    restrained, recorded = pair_element.size > law.size, phases.shape[0] > 0
     places = min(STRIDE, duration.size)
     lanes = (places + WIDTH - 1) // WIDTH * WIDTH  # in whole vectors
     taken = 0
@@ -133,17 +134,22 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
                 second_pair, line, guard, memory, mode, log,
             )  # fmt: skip
 
+        if restrained and not recorded:
+            series.rest(lanes, law, quiet, empty, line, f, rests)
         series.expand(
-            lanes, conjugate, law, empty, parent, driven, term_start, term_coordinate, term_sign, lever, pull_start,
+            lanes, conjugate, law, empty, rests, parent, driven, term_start, term_coordinate, term_sign, lever, pull_start,
             pull_element, pull_sign, bars, bar_of, arm, inverse_inertia, line, q, tan, sec2, turn, moment, d, f, acc,
         )  # fmt: skip
 
         stepping.choose_steps(
             lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, trial, q, tan, step, last, power
         )
+        if restrained:
+            stepping.bends(lanes, parent.size, bars.size, q, tan, power, bend)
         events.find(
-            lanes, law, pair_element, second_pair, guard, d, crash, last, idle, step, power, event, pending, pending_count,
-            falling, owner, poly, room,
+            lanes, law, pair_element, second_pair, rests, parent.size, term_start, term_coordinate, term_sign, lever, arm, q,
+            tan, bend, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner, shape, poly,
+            room,
         )  # fmt: skip
         stepping.powers(lanes, step, power)
         extremes.track_all(
@@ -151,15 +157,15 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
             time, step, power, extreme, falling, owner, poly, room, crash, until, sample_time, sampled, samples,
         )  # fmt: skip
         if with_work:
-            stepping.add_work(lanes, law.size, step, d, f, work)
-        if phases.shape[0] > 0 and crash[0] >= 0 and step[0] > 0.0:
+            stepping.add_work(lanes, law.size, step, d, f, rests, work)
+        if recorded and crash[0] >= 0 and step[0] > 0.0:
             stepping.keep_phase(parent.size, law.size, time[0], step[0], q, d, f, phases, kept)
         stepping.advance(lanes, parent.size, step, last, pause, time, steps, idle, q, scale)
         for e in range(law.size):
             if law[e] == laws.RESTRAINT:
                 stepping.move_on(lanes, e, second_pair[e], step, line, guard, memory)
 
-        full = phases.shape[0] > 0 and (kept[0] >= phases.shape[0] or int(log[0, 0]) + 1 >= log.shape[0])
+        full = recorded and (kept[0] >= phases.shape[0] or int(log[0, 0]) + 1 >= log.shape[0])
         for block in range(0, lanes, WIDTH):
             stopped = ALL_LANES if full else _stopped(block, until, pause, last, steps, idle, scale, bars, q)
             while stopped != 0:
@@ -169,6 +175,8 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
                     stop = _stop_of(l, until, pause, last, steps, idle, scale, bars, q)
                     for e in range(law.size):
                         if law[e] == laws.RESTRAINT:
+                            if rests[row(e) + block] != 0:
+                                series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
                             changes.settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH

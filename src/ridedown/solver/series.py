@@ -71,10 +71,37 @@ def _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, 
     return total
 
 
+@part
+def rest(lanes, law, quiet, empty, line, f, rests):
+    """Which restraints give no force throughout the step in any lane of a vector, whatever they deflect: they are passed over.
+
+    Their deflections of orders 2 and up are not there, unless `deflect` is called.
+    """
+    for e in range(law.size):
+        for l in range(0, lanes if quiet[e] != 0 else 0, WIDTH):
+            most = abs(load(line, line_at(e, K) + l)) + abs(load(line, line_at(e, C) + l)) + abs(load(line, line_at(e, F0) + l))
+            if empty[e] != 0:
+                most *= abs(load(line, line_at(e, FILL) + l)) + abs(load(line, line_at(e, FILLING) + l))
+            if lanes_of(most > 0.0) != 0:
+                rests[row(e) + l] = 0
+            elif rests[row(e) + l] == 0:
+                rests[row(e) + l] = 1
+                for j in range(DEGREE):
+                    store(f, at(e, j) + l, 0.0)
+
+
+@part
+def deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d):
+    """The deflections that were passed over where an element rests."""
+    for j in range(2, DEGREE + 1):
+        store(d, at(e, j) + block, _deflection(e, j, block, term_start, term_coordinate, term_sign, lever, arm, q, tan))
+
+
 @kernel
 def expand(
-    lanes: int, conjugate: bool, law: Ints, empty: Ints, parent: Ints, driven: int, term_start: Ints, term_coordinate: Ints,
-    term_sign: Floats, lever: Ints, pull_start: Ints, pull_element: Ints, pull_sign: Floats, bar_coordinate: Ints, bar_of: Ints,
+    lanes: int, conjugate: bool, law: Ints, empty: Ints, rests: Ints, parent: Ints, driven: int, term_start: Ints,
+    term_coordinate: Ints, term_sign: Floats, lever: Ints, pull_start: Ints, pull_element: Ints, pull_sign: Floats,
+    bar_coordinate: Ints, bar_of: Ints,
     arm: Floats, inverse_inertia: Floats, line: Floats, q: Floats, tan: Floats, sec2: Floats, turn: Floats, moment: Floats,
     d: Floats, f: Floats, acc: Floats,
 ) -> None:  # fmt: skip
@@ -82,7 +109,7 @@ def expand(
     for j in range(DEGREE):
         if j > 0:
             _tangents(lanes, j, bar_coordinate, q, tan, sec2, turn)
-        _forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
+        _forces(lanes, j, law, empty, rests, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
         if j < DEGREE - 1:
             _accelerations(
                 lanes, j, conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
@@ -98,22 +125,29 @@ def _tangents(lanes, j, bar_coordinate, q, tan, sec2, turn):
         middle = at(b, j // 2)
         for l in range(0, lanes, WIDTH):
             store(turn, last + l, (j + 1.0) * load(q, rate + l))
-            square = spread(0.0)
+            square, other = spread(0.0), spread(0.0)  # sums of every second term: they need not wait for each other
             up, down = first + l, last + l
-            while up < down:  # the square's sum is symmetric
+            while up + STRIDE < down - STRIDE:  # the square's sum is symmetric
                 square += load(tan, up) * load(tan, down)
-                up += STRIDE
-                down -= STRIDE
-            square *= 2.0
+                other += load(tan, up + STRIDE) * load(tan, down - STRIDE)
+                up += 2 * STRIDE
+                down -= 2 * STRIDE
+            if up < down:
+                square += load(tan, up) * load(tan, down)
+            square = 2.0 * (square + other)
             if j % 2 == 0:
                 square += load(tan, middle + l) * load(tan, middle + l)
             store(sec2, last + l, square)
-            total = square * load(turn, first + l)
+            total, other = square * load(turn, first + l), spread(0.0)
             up, down = first + l, last + l
-            for _ in range(j):
+            for _ in range(j // 2):
                 total += load(sec2, up) * load(turn, down)
-                up += STRIDE
-                down -= STRIDE
+                other += load(sec2, up + STRIDE) * load(turn, down - STRIDE)
+                up += 2 * STRIDE
+                down -= 2 * STRIDE
+            if j % 2 == 1:
+                total += load(sec2, up) * load(turn, down)
+            total += other
             store(tan, last + STRIDE + l, total * (1.0 / (j + 1)))
 
 
@@ -127,47 +161,57 @@ def drive(lanes, driven, orders, pulse, origin, time, acc):
         if lanes_of(since > 0.0) == 0:  # at the start of a piece, where most steps are
             continue
         for n in range(orders - 1):  # divided by (x - since) again and again: Horner's scheme, the remainders staying
-            for j in range(orders - 2, n - 1, -1):
-                to = at(driven, j) + l
-                store(acc, to, load(acc, to) + since * load(acc, to + STRIDE))
+            to = at(driven, orders - 1) + l
+            c = load(acc, to)
+            for _ in range(orders - 1 - n):
+                to -= STRIDE
+                c = load(acc, to) + since * c
+                store(acc, to, c)
 
 
 @part
-def _restrain(lanes, j, e, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
+def _restrain(lanes, j, e, empty, rests, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
     """d[j + 1] and f[j] of a restraint: of its line, which moves as the reel pulls, as much as its fill."""
-    k, c, pull, to = line_at(e, K), line_at(e, C), line_at(e, PULL), at(e, j)
+    order, first, to = float(j + 1), term_start[e], at(e, j)
+    alone = term_start[e + 1] == first + 1 and lever[e] < 0
+    q1, sign1 = at(term_coordinate[first], j + 1), term_sign[first]
     for l in range(0, lanes, WIDTH):
-        if j > 0:
+        if rests[row(e) + l] != 0:
+            continue
+        if alone and j > 0:
+            store(d, to + STRIDE + l, sign1 * load(q, q1 + l))
+        elif j > 0:
             new = _deflection(e, j + 1, l, term_start, term_coordinate, term_sign, lever, arm, q, tan)
-            store(d, at(e, j + 1) + l, new)
-        force = _line_of(e, j, l, k, c, pull, line, d)
+            store(d, to + STRIDE + l, new)
+        force = _line_of(e, j, order, l, line, d)
         if empty[e] != 0:
             force *= load(line, line_at(e, FILL) + l)
-            if j > 0:
-                force += load(line, line_at(e, FILLING) + l) * _line_of(e, j - 1, l, k, c, pull, line, d)
+            filling = load(line, line_at(e, FILLING) + l)
+            if j > 0 and lanes_of(filling > 0.0) != 0:
+                force += filling * _line_of(e, j - 1, order - 1.0, l, line, d)
         store(f, to + l, force)
 
 
 @inlined
-def _line_of(e, j, l, k, c, pull, line, d):
-    """Order j of a restraint's line of force."""
-    here, rate = load(d, at(e, j) + l), (j + 1.0) * load(d, at(e, j + 1) + l)
-    offset = spread(0.0)
+def _line_of(e, j, order, l, line, d):
+    """Order j of a restraint's line of force; `order` is j + 1."""
+    here, rate = load(d, at(e, j) + l), order * load(d, at(e, j + 1) + l)
+    force = spread(0.0)
     if j == 0:
         here -= load(line, line_at(e, D0) + l)
-        offset = load(line, line_at(e, F0) + l)
+        force = load(line, line_at(e, F0) + l)
     elif j == 1:
-        here += load(line, pull + l)
-    return offset + load(line, k + l) * here + load(line, c + l) * rate
+        here += load(line, line_at(e, PULL) + l)
+    return force + load(line, line_at(e, K) + l) * here + load(line, line_at(e, C) + l) * rate
 
 
 @inlined
-def _forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
+def _forces(lanes, j, law, empty, rests, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
     """d[j + 1] of every element, then f[j] by its law's line in its present mode."""
     order = float(j + 1)
     for e in range(lever.size):
         if law[e] == RESTRAINT:
-            _restrain(lanes, j, e, empty, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
+            _restrain(lanes, j, e, empty, rests, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
             continue
         k, c, to, dj, dk = line_at(e, K), line_at(e, C), at(e, j), at(e, j), at(e, j + 1)
         if j == 0:
@@ -184,12 +228,14 @@ def _forces(lanes, j, law, empty, term_start, term_coordinate, term_sign, lever,
                 new = sign1 * load(q, q1 + l)
                 store(d, dk + l, new)
                 store(f, to + l, load(line, k + l) * load(d, dj + l) + order * load(line, c + l) * new)
-        elif terms == 2 and lever[e] >= 0:  # a front member
+        elif terms == 2:  # a front member, or a joint
             q2, sign2 = at(term_coordinate[first + 1], j + 1), term_sign[first + 1]
-            a, t = row(e), at(lever[e], j + 1)
+            a, t, levered = row(e), at(lever[e], j + 1), lever[e] >= 0
             damped = law[e] != ELASTIC and law[e] != PLASTIC
             for l in range(0, lanes, WIDTH):
-                new = sign1 * load(q, q1 + l) + sign2 * load(q, q2 + l) + load(arm, a + l) * load(tan, t + l)
+                new = sign1 * load(q, q1 + l) + sign2 * load(q, q2 + l)
+                if levered:
+                    new += load(arm, a + l) * load(tan, t + l)
                 store(d, dk + l, new)
                 force = load(line, k + l) * load(d, dj + l)
                 store(f, to + l, force + order * load(line, c + l) * new if damped else force)

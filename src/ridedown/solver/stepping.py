@@ -91,10 +91,28 @@ def powers(lanes, step, power):
 
 
 @part
-def add_work(lanes, elements, step, d, f, work):
+def bends(lanes, coordinates, bars, q, tan, power, bend):
+    """How far each coordinate, and each bar's tangent, can stray from its straight course within the step, and its rate."""
+    for i in range(coordinates + bars):
+        source, first = (q, at(i, 0)) if i < coordinates else (tan, at(i - coordinates, 0))
+        for block in range(0, lanes, WIDTH):
+            away, faster = spread(0.0), spread(0.0)
+            for j in range(2, DEGREE + 1):
+                c = abs(load(source, first + j * STRIDE + block)) * load(power, row(j) + block)
+                away += c
+                faster += j * c
+            h = load(power, row(1) + block)
+            store(bend, row(2 * i) + block, away)
+            store(bend, row(2 * i + 1) + block, where(h > 0.0, faster / h, 0.0))
+
+
+@part
+def add_work(lanes, elements, step, d, f, rests, work):
     """Work done on each element in this step: the integral of f d' dt, exact by Gauss's rule."""
     for e in range(elements):
         for block in range(0, lanes, WIDTH):
+            if rests[row(e) + block] != 0:
+                continue
             h, total = load(step, block), spread(0.0)
             for n in range(_NODES.size):
                 t = _NODES[n] * h

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ridedown.network import Law, Network
+from ridedown.network import Family, Law, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import events, together
 from ridedown.solver.extremes import SAMPLED
@@ -43,6 +43,7 @@ class Structure(NamedTuple):
     second_pair: Ints  # (e,) the second pair of a restraint, -1 = none
     free: Ints  # (e,) 1 for a restraint whose reel is free at first
     empty: Ints  # (e,) 1 for a restraint that is empty at first
+    quiet: Ints  # (e,) 1 for a restraint whose deflection nobody asks for: where it gives no force, it can rest
     timer_element: Ints
     timer_action: Ints
     driven: int  # coordinate with a prescribed acceleration, -1 = none
@@ -90,6 +91,7 @@ class Lanes(NamedTuple):
     trial: Floats  # the length of step that its modes are read on
     scale: Floats  # the acceleration that the step control measures against
     power: Floats  # rows by order: powers of the step; then what `events` says
+    bend: Floats  # two rows for each coordinate, then for each bar: what `stepping.bends` says
     # series, rows by index and order
     q: Floats  # coordinates
     acc: Floats  # and of the ground, zero, last
@@ -107,6 +109,7 @@ class Lanes(NamedTuple):
     line: Floats
     guard: Floats
     memory: Floats
+    rests: Ints  # whether a restraint rests, in the first lane of each vector (see `series.rest`)
     work: Floats  # done on each element so far
     # events and extremes
     event: Ints  # guard that ends this step, -1 = none
@@ -118,6 +121,7 @@ class Lanes(NamedTuple):
     falling: Floats  # polynomials to be solved together, a column each
     owner: Ints  # and two numbers for each: whose it is
     series: Floats
+    shape: Floats  # rows as `events` says
     poly: Floats
     room: Table
 
@@ -188,6 +192,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         trial=floats(1),
         scale=floats(1),
         power=floats(events.POWER_ROWS),
+        bend=floats(2 * (n + bars)),
         q=floats(n * ORDERS),
         acc=floats((n + 1) * ORDERS),
         d=floats(m * ORDERS),
@@ -202,6 +207,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         line=floats(m * LINE_ROWS),
         guard=floats(2 * pairs * GUARD_ROWS),
         memory=floats(m * MEMORY_ROWS),
+        rests=whole(m),
         work=floats(m),
         event=whole(1),
         pending=whole(2 * pairs),
@@ -211,6 +217,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         falling=floats(together.ROWS),
         owner=whole(2),
         series=floats(ORDERS),
+        shape=floats(events.SHAPE_ROWS),
         poly=np.zeros(ORDERS),
         room=np.zeros(WORK_SHAPE),
     )
@@ -278,6 +285,7 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         second_pair=second_pair,
         free=network.free.astype(np.int64),
         empty=network.empty.astype(np.int64),
+        quiet=_quiet(network, tracked),
         timer_element=network.timer_element,
         timer_action=network.timer_action,
         driven=network.driven,
@@ -290,6 +298,12 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         tracked_sense=tracked.sense,
         sample_time=tracked.sample_time,
     )
+
+
+def _quiet(network: Network, tracked: Tracked) -> Ints:
+    quiet = (network.law == Law.RESTRAINT).astype(np.int64)
+    quiet[tracked.item[np.isin(tracked.family, (Family.DEFLECTION, Family.DEFLECTION_RATE))]] = 0
+    return quiet
 
 
 def numbers_of(network: Network) -> Numbers:
