@@ -131,11 +131,12 @@ def _suspects_of_curve(block, e, guard, d, power):
     a, u = load(guard, guard_at(g, A) + block), load(guard, guard_at(h, A) + block)
     o, p = at(e, 0) + block, row(1) + block
     now, slope = load(d, o), load(d, o + STRIDE) * load(power, p)
-    down, up = spread(0.0), spread(0.0)
+    total, size = spread(0.0), spread(0.0)
     for j in range(2, DEGREE + 1):
         c = load(d, o + j * STRIDE) * load(power, p + (j - 1) * STRIDE)
-        down += min(c, 0.0)
-        up += max(c, 0.0)
+        total += c
+        size += abs(c)
+    down, up = 0.5 * (total - size), 0.5 * (total + size)
     start, start2 = a * (now - load(guard, guard_at(g, GD0) + block)), u * (now - load(guard, guard_at(h, GD0) + block))
     none = spread(0.0)
     first = _unclear(a, none, start, a * slope, min(a * down, a * up), power, _SOONEST + block, 0.0)
@@ -209,16 +210,16 @@ def _suspects_of_restraint(block, e, pair, guard, d, power):
 @inlined
 def _range(o, times, p, d, power):
     """How far a deflection's derivative, of order `times`, can go down and up in the step, beyond its first two terms."""
-    down, up = spread(0.0), spread(0.0)
+    total, size = spread(0.0), spread(0.0)
     for j in range(2, DEGREE + 1 - times):
         c = load(d, o + (j + times) * STRIDE) * load(power, p + (j - 1) * STRIDE)
         if times == 1:
             c *= j + 1.0
         elif times == 2:
             c *= (j + 1.0) * (j + 2.0)
-        down += min(c, 0.0)
-        up += max(c, 0.0)
-    return down, up
+        total += c
+        size += abs(c)
+    return 0.5 * (total - size), 0.5 * (total + size)
 
 
 @inlined

@@ -15,7 +15,7 @@ from ridedown.network import Family
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import polynomial, together
 from ridedown.solver.layout import BEST, DEGREE, STRIDE, WHEN, Cube, Table, at, extreme_at, row
-from ridedown.solver.vector import WIDTH, first_lane, lanes_of, load, store, where
+from ridedown.solver.vector import WIDTH, first_lane, lanes_of, load, spread, store, where
 
 POSITION, RATE, ACCELERATION, DEFLECTION, DEFLECTION_RATE, FORCE = (int(family) for family in Family)
 
@@ -120,18 +120,17 @@ def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, o
         o = base + block
         start = load(source, o)
         c = load(source, o + STRIDE) * load(power, row(1) + block)
-        end = start + c
-        highest = start + max(c, 0.0)  # with every coefficient that pulls up, or down, taken in full
-        lowest = start + min(c, 0.0)
-        fastest, slowest = c, c
+        total, size, slope, steepness = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
         for j in range(2, DEGREE + 1):
-            c = load(source, o + row(j)) * load(power, row(j) + block)
-            up, down = max(c, 0.0), min(c, 0.0)
-            end += c
-            highest += up
-            lowest += down
-            fastest += j * up
-            slowest += j * down
+            term = load(source, o + row(j)) * load(power, row(j) + block)
+            total += term
+            size += abs(term)
+            slope += j * term
+            steepness += j * abs(term)
+        end = start + c + total
+        # with every coefficient that pulls up, or down, taken in full
+        highest, lowest = start + max(c, 0.0) + 0.5 * (total + size), start + min(c, 0.0) + 0.5 * (total - size)
+        fastest, slowest = c + 0.5 * (slope + steepness), c + 0.5 * (slope - steepness)
         low, high = abs(start), abs(end)
         if sense > 0:
             low, high = start, end
