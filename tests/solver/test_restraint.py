@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ridedown import load
 from ridedown.network import Action, Curve, KelvinVoigt, Restraint, Timer, channels
+from ridedown.scenario import lower, substitute
 from ridedown.solver.march import Stop
 from ridedown.solver.solve import solve_many, tracked
 from tests.solver.sleds import CAR, MASS, Solved, constant, points, sled, spring
@@ -51,6 +53,35 @@ def test_many_at_once_are_the_same_as_one() -> None:
         alone = Solved(sled(_everything(float(slack[row]))))
         assert solved.best[0, row] == pytest.approx(alone.largest("driver.0.force")[0], rel=1e-12)
         assert solved.payout[0, row] == pytest.approx(alone.phases.payout[0], rel=1e-10, abs=1e-15)
+
+
+def test_passing_over_restraints_that_rest_changes_nothing() -> None:
+    built = _rows_of(load("example-restraints"), 200)
+    channel = channels(built)
+    asked = [(channel[f"driver.{part}.acceleration"], 0) for part in ("pelvis", "chest", "head")]
+    asked += [(channel[f"{element}.force"], 1) for element in built.elements]
+    watched = [(channel[f"{element}.deflection"], 1) for element in built.elements]  # one that is looked at does not rest
+    resting, awake = (solve_many(built, tracked([*asked, *more]), work=True) for more in ([], watched))
+    assert (resting.stop == Stop.COMPLETED).all()
+    for name in ("steps", "position", "rate", "reel", "payout", "set", "work"):
+        np.testing.assert_array_equal(getattr(resting, name), getattr(awake, name))
+    np.testing.assert_array_equal(resting.best, awake.best[: len(asked)])
+
+
+def _rows_of(scenario: Any, rows: int) -> Any:
+    """The network of so many rows in which belt, limiter and bag differ."""
+    rng = np.random.default_rng(0)
+    return lower(
+        substitute(
+            scenario,
+            {
+                "driver.shoulder-belt.load_limiter.force": rng.uniform(3.5e3, 6.5e3, rows),
+                "driver.shoulder-belt.slack": rng.uniform(0.005, 0.05, rows),
+                "driver.knee_bolster.gap": rng.uniform(0.05, 0.2, rows),
+                "driver.airbag.gap": rng.uniform(0.05, 0.2, rows),
+            },
+        )
+    ).widened(rows)
 
 
 def _everything(slack: Any) -> Restraint:
