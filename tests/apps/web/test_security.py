@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import socket as sockets
 import sys
 import threading
@@ -29,6 +28,7 @@ from ridedown.apps.web.guard import HEADERS, is_loopback
 from ridedown.apps.web.studies import Studies
 from ridedown.apps.web.uploads import MOST_BYTES, MOST_TESTS
 from ridedown.errors import InvalidInput, RidedownError
+from tests.apps.web.dying import dies
 from tests.apps.web.running import WAIT, Running, running
 
 PASSWORDS = "/etc/passwd"
@@ -330,13 +330,9 @@ def test_a_table_is_bounded_in_time_and_memory() -> None:
 
 
 def test_what_ends_the_reader_of_a_table_ends_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(untrusted, "_read_and_send", _dies)
+    monkeypatch.setattr(untrusted, "_read_and_send", dies)
     with pytest.raises(InvalidInput, match="undamaged"):
-        untrusted.read_table(b"time [s],a [g]\n0,1\n", "t.csv")
-
-
-def _dies(*_: object) -> None:
-    os.abort()
+        untrusted.read_table(b"time [s],a [g]\n0,1\n", "t.csv", seconds=WAIT)
 
 
 def test_a_table_with_a_gap_says_so_of_that_channel_only() -> None:

@@ -19,8 +19,8 @@ from ridedown.errors import InvalidInput, RidedownError
 from ridedown.signals.history import TimeHistory
 from ridedown.signals.record import ChannelInfo, TestRecord
 
-SECONDS = 20.0
-"""One table at most: 48 MB of text take some ten."""
+SECONDS = 60.0
+"""One table at most: 48 MB of text take some ten, and longer where others are at work."""
 MEMORY = 2**30
 """Bytes that reading one may take, beside the program itself."""
 MOST_VALUES = 8_000_000
