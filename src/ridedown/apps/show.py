@@ -42,7 +42,7 @@ def console(*, stderr: bool = False) -> Console:
 @contextmanager
 def working(what: str) -> Iterator[None]:
     """Say on stderr what is going on, while it is."""
-    with console(stderr=True).status(what):
+    with console(stderr=True).status(Text(what)):
         yield
 
 
@@ -60,9 +60,9 @@ def progress(what: str, steps: int) -> Iterator[Callable[[str], None]]:
 @contextmanager
 def searching(what: str) -> Iterator[Callable[[str, int, float], None]]:
     """Say on stderr how a search goes: call what it yields with what is done, candidates tried and the least misfit."""
-    with console(stderr=True).status(what) as status:
+    with console(stderr=True).status(Text(what)) as status:
         yield lambda stage, tried, best: status.update(
-            f"{what}: {stage}, {tried} candidates, misfit {best:.4g}; Ctrl-C ends it"
+            Text(f"{what}: {stage}, {tried} candidates, misfit {best:.4g}; Ctrl-C ends it")
         )
 
 
@@ -140,10 +140,14 @@ def tables(*shown: Table, upright_only: bool = False) -> None:
         if table.rows:
             upright = _rich(table)
             # results by body are wide and few: better on their side than squeezed
-            natural = out.measure(upright, options=out.options.update(max_width=_UNBOUND)).maximum
-            turn = not upright_only and natural > out.width and len(table.rows) < len(table.columns)
+            turn = not upright_only and len(table.rows) < len(table.columns) and _width(upright, out) > out.width
             out.print(_rich(table.turned()) if turn else upright)
             out.print()
+
+
+def _width(table: RichTable, out: Console) -> int:
+    """Columns that a table takes where nothing holds it in."""
+    return out.measure(table, options=out.options.update(max_width=_UNBOUND)).maximum
 
 
 def _rich(table: Table) -> RichTable:

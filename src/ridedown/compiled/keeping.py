@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-import tempfile
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -54,12 +54,14 @@ def kept(folder: Path, name: str) -> tuple[bytes, bytes] | None:
 def keep(folder: Path, name: str, code: bytes, entry: bytes) -> None:
     """Keep machine code under a name: whole or not at all, for other processes may be reading or writing it."""
     packed = len(code).to_bytes(_LENGTH, "little") + code + entry
+    file = _file(folder, name)
+    partial = file.with_name(f"{file.name}.{os.getpid()}")
     try:
-        with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
-            file.write(hashlib.sha256(packed).digest() + packed)
-        Path(file.name).replace(_file(folder, name))
+        partial.write_bytes(hashlib.sha256(packed).digest() + packed)
+        partial.replace(file)
     except OSError:  # a full disk, say: it is compiled again next time
-        return
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
 
 
 def _file(folder: Path, name: str) -> Path:
