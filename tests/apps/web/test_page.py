@@ -179,6 +179,17 @@ def test_lines_go_through_few_points_and_past_none(watched: Watched, server: Run
         assert off[~steep].max() < 0.26, line
 
 
+def test_a_pinned_run_of_the_same_numbers_lies_under_the_curves(watched: Watched) -> None:
+    page = watched.open("#/crash?s=example-offset&pin.s=example-offset")
+    page.add_init_script(NOTE_LINES)
+    page.reload()
+    page.wait_for_selector(".results table")
+    settled(page)
+    drawn = [np.array(line) for line in page.evaluate("lines")]
+    both = [i for i in range(len(drawn) - 9) if all(np.array_equal(drawn[i + k], drawn[i + 5 + k]) for k in range(5))]
+    assert len(both) >= 2  # accelerations and velocities, of five bodies each
+
+
 def test_numbers_are_typed_with_units(watched: Watched) -> None:
     page = watched.open()
     field = page.get_by_label("vehicle1, speed, typed, km/h")

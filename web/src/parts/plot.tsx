@@ -123,9 +123,11 @@ function milliseconds(time: Float64Array): Float64Array {
 
 /** In the figure's unit. What is missing is NaN, which is not drawn. */
 function dataOf(time: Float64Array, curves: Curve[], pinned: Pinned, scale: number): uPlot.AlignedData {
-  const behind = (pinned?.curves ?? []).map((one) => {
-    const last = pinned!.time[pinned!.time.length - 1]!;
-    return Float64Array.from(time, (t) => (t <= last ? one.values[nearest(pinned!.time, t)]! * scale : NaN));
+  const places = pinned ? placesIn(pinned.time, time) : null;
+  const behind = (pinned?.curves ?? []).map(({ values }) => {
+    const made = new Float64Array(time.length);
+    for (let i = 0; i < made.length; i++) made[i] = places![i]! < 0 ? NaN : values[places![i]!]! * scale;
+    return made;
   });
   const scaled = curves.map(({ values }) => {
     const made = new Float64Array(values.length);
@@ -135,12 +137,29 @@ function dataOf(time: Float64Array, curves: Curve[], pinned: Pinned, scale: numb
   return [milliseconds(time), ...scaled, ...behind];
 }
 
+const known = new WeakMap<Float64Array, { of: Float64Array; places: Int32Array }>();
+
+/** For each of the times, the place of the last one of `of` that is not after it; −1 beyond its end. The figures of one crash share them. */
+function placesIn(of: Float64Array, times: Float64Array): Int32Array {
+  const found = known.get(times);
+  if (found?.of === of) return found.places;
+  const last = of[of.length - 1]!, places = new Int32Array(times.length);
+  for (let i = 0, at = 0; i < times.length; i++) {
+    while (at + 1 < of.length && of[at + 1]! <= times[i]! + SAME) at++;
+    places[i] = times[i]! <= last ? at : -1;
+  }
+  known.set(times, { of, places });
+  return places;
+}
+
+const SAME = 1e-9; // s: times no further apart are one
+
 /** Index of the last time that is not after t: at an event, the value just after it. */
 export function nearest(time: Float64Array, t: number): number {
   let low = 0, high = time.length - 1;
   while (low < high) {
     const middle = (low + high + 1) >> 1;
-    if (time[middle]! <= t + 1e-9) low = middle;
+    if (time[middle]! <= t + SAME) low = middle;
     else high = middle - 1;
   }
   return low;
