@@ -18,7 +18,7 @@ def numbers_table(headlines: Sequence[Headline]) -> Table:
     within = sum(h.rounds_to_print for h in headlines)
     worst = max(abs(h.error) for h in headlines)
     return Table(
-        f"The paper's numbers and ours (g = 9.81 m/s²): worst error {worst:.1%}; "
+        f"The paper's numbers and ours (g = 9.81 m/s²): worst error {100.0 * worst:.1f} %; "
         f"{within} of {len(headlines)} round to what is printed",
         (
             Column("Figure"),

@@ -87,7 +87,7 @@ export const Plot = memo(function Plot(given: Props) {
   const at = props.moment === undefined ? null : nearest(time, props.moment);
   return (
     <figure class="plot">
-      <figcaption>{props.title} <span class="quiet">{props.label}</span></figcaption>
+      <figcaption>{props.title} <span class="quiet">{beside(props.title, props.label)}</span></figcaption>
       <div ref={place} class="plot-area" style={{ height: `${height}px` }} role="img" aria-label={said(props)} />
       <ul class="legend">
         {curves.map(({ line, values }) => (
@@ -100,6 +100,12 @@ export const Plot = memo(function Plot(given: Props) {
     </figure>
   );
 });
+
+/** What an axis says beyond the title: of "Velocity" and "velocity, m/s" the unit. */
+function beside(title: string, label: string): string {
+  const same = `${title.toLowerCase()}, `;
+  return label.toLowerCase().startsWith(same) ? label.slice(same.length) : label;
+}
 
 /** A short piece of a line, as it is drawn. */
 export function Key({ index }: { index: number }) {

@@ -9,7 +9,7 @@ export const DataTable = memo(function DataTable({ table }: { table: Table }) {
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label={table.caption}>
       <table>
-        <caption>{table.caption}</caption>
+        <caption><span>{table.caption}</span></caption>
         <thead>
           <tr>{table.columns.map((one, i) => <th key={i} scope="col" class={one.numeric ? "number" : ""}>{breaking(one.title)}{one.unit && <span class="quiet"> {one.unit}</span>}</th>)}</tr>
         </thead>
@@ -41,12 +41,12 @@ export const Verdicts = memo(function Verdicts({ rows, pinned }: { rows: Verdict
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label="Criteria and limits">
       <table class="verdicts">
-        <caption>Criteria and limits</caption>
+        <caption><span>Criteria and limits</span></caption>
         <thead>
           <tr>
-            <th scope="col">Of</th><th scope="col">Criterion</th><th scope="col" class="number">Value</th>
+            <th scope="col">Of</th><th scope="col">Criterion</th><th scope="col">Verdict</th><th scope="col" class="number">Value</th>
             {pinned && <th scope="col" class="number">Pinned</th>}
-            <th scope="col" class="number">Limit</th><th scope="col">Unit</th><th scope="col">Verdict</th><th scope="col">Regulation</th>
+            <th scope="col" class="number">Limit</th><th scope="col">Unit</th><th scope="col">Regulation</th>
           </tr>
         </thead>
         <tbody>
@@ -54,10 +54,11 @@ export const Verdicts = memo(function Verdicts({ rows, pinned }: { rows: Verdict
             const other = before(one);
             return (
               <tr key={i}>
-                <th scope="row">{one.subject}</th><td>{one.criterion}</td><td class="number">{digits(one.value, 4)}</td>
+                <th scope="row">{one.subject}</th><td>{one.criterion}</td>
+                <td><span class={`verdict ${one.verdict.replace(" ", "-")}`} title={one.reason}>{MARK[one.verdict]} {one.verdict}</span></td>
+                <td class="number">{digits(one.value, 4)}</td>
                 {pinned && <td class="number quiet">{other ? digits(other.value, 4) : "–"}</td>}
                 <td class="number">{digits(one.limit, 6)}</td><td>{one.unit}</td>
-                <td><span class={`verdict ${one.verdict.replace(" ", "-")}`} title={one.reason}>{MARK[one.verdict]} {one.verdict}</span></td>
                 <td class="quiet">{one.regulation}</td>
               </tr>
             );
@@ -84,13 +85,18 @@ export const EnergyBars = memo(function EnergyBars({ energy, pinned }: { energy:
               <span class="bar-fill" style={{ width: `${(100 * Math.abs(value)) / most}%`, background: colour(i) }} />
               {before?.has(name) && <span class="bar-pin" style={{ left: `${Math.min(100, (100 * Math.abs(before.get(name)!)) / most)}%` }} title="pinned" />}
             </span>
-            <span class="bar-value">{digits(value / 1e3, 3)} kJ <span class="quiet">{energy.initial > 0 ? `${digits((100 * value) / energy.initial, 3)} %` : ""}</span></span>
+            <span class="bar-value">{digits(value / 1e3, 3)} kJ <span class="quiet">{energy.initial > 0 ? share(value / energy.initial) : ""}</span></span>
           </li>
         ))}
       </ul>
     </section>
   );
 });
+
+function share(part: number): string {
+  const percent = 100 * part;
+  return Math.abs(percent) < 0.1 ? "< 0.1 %" : `${percent.toFixed(1).replace("-", "−")} %`;
+}
 
 function energyRows(energy: Energy): [string, number][] {
   const rows: [string, number][] = energy.elements.map((one) => [one.name, one.absorbed]);

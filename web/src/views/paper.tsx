@@ -28,7 +28,7 @@ export function PaperView({ live, state, change, theme }: ViewProps) {
       {paper.tables.slice(0, 1).map((table) => <section class="card" key={table.caption}><DataTable table={table} /></section>)}
       <div class="plots">
         {paper.figures.map((figure) => (
-          <div key={figure.name}>
+          <div key={figure.name} class="card opening">
             <Plot title={figure.title} label={figure.label} unit="" scale={1} time={paper.time} curves={linesOf(figure)}
               moment={state.time} onMoment={(time) => change({ time })} theme={theme} />
             <p class="open">Open in Crash: {figure.lines.map((line) => (
