@@ -332,15 +332,14 @@ def test_the_map_shows_what_physics_allows(watched: Watched) -> None:
     least = Limiting(motion_of(response, "vehicle1"), horizon=response.end_time).bound(0.25)
     page.wait_for_selector(f".physics:has-text('{design}, physics allows {least.peak_g:.1f} g within 250 mm.')")
     assert f"The design uses {within}: more than is allowed" in page.locator(".physics").inner_text()
-    page.wait_for_timeout(300)
+    page.wait_for_url(re.compile("room=0.25"))
     other = watched.open("#" + page.url.partition("#")[2], wait=".map .legend:has-text('excursion of 250 mm')")
     other.wait_for_selector(".physics:has-text('more than is allowed')")
     assert other.locator(".physics").inner_text() == page.locator(".physics").inner_text()
     page.get_by_label("Outcome").select_option("driver.excursion.max")
     page.wait_for_selector(".physics:has-text('does not apply to this outcome')")
     page.get_by_label("What physics allows").uncheck()
-    page.wait_for_timeout(300)
-    assert "bound=0" in page.url
+    page.wait_for_url(re.compile("bound=0"))
     assert page.locator(".physics").inner_text().strip() == "What physics allows"
 
 
@@ -603,7 +602,7 @@ def test_every_kind_of_study_is_started_watched_seen_and_downloaded(watched: Wat
     html = downloaded(page, "HTML report").decode()
     assert html.count("data:image/svg") == drawn.count()
     assert downloaded(page, "PDF report")[:8] == b"%PDF-1.7"
-    page.wait_for_timeout(300)
+    page.wait_for_url(re.compile("study="))
     other = watched.open("#" + page.url.partition("#")[2], wait=".study-part table")  # the address has the study
     assert other.locator(".study-part h3").all_inner_texts() == page.locator(".study-part h3").all_inner_texts()
 
