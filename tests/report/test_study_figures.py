@@ -9,6 +9,7 @@ from matplotlib.colors import to_hex
 from ridedown import load
 from ridedown.report import study_bound
 from ridedown.report.study_axes import LIMIT, Bar, Quantity
+from ridedown.report.study_designs import box_plot, progress_plot, rare_plot, slice_plot, tried_plot
 from ridedown.report.study_optimise import front_plot, parallel_plot
 from ridedown.report.study_sample import cumulative_plot, distribution_plot
 from ridedown.report.study_sensitivity import Interval, effect_plot, index_plot, tornado_plot
@@ -203,3 +204,70 @@ def test_tables_of_a_bound(bound):
     (row,) = study_bound.table(bound).rows
     assert row[:3] == ("belt", "30.6", "250")
     assert len(study_bound.curve_table(bound).rows) == 8
+
+
+# designs
+
+
+def points_of(plot):
+    """Points by the label of their group."""
+    return {line.get_label(): np.array(line.get_xydata()) for line in axes_of(plot).get_lines()}
+
+
+def test_designs_tried_are_told_apart_and_the_chosen_marked():
+    stiffness, peaks = np.array([40e3, 60e3, 80e3]), G * np.array([20.0, 25.0, 30.0])
+    plot = tried_plot(STIFFNESS, PEAK, stiffness, peaks, np.array([False, True, True]), (60e3, 25 * G))
+    points = points_of(plot)
+    np.testing.assert_allclose(points["holds all constraints"], [[60.0, 25.0], [80.0, 30.0]])
+    np.testing.assert_allclose(points["breaks one"], [[40.0, 20.0]])
+    np.testing.assert_allclose(points["chosen"], [[60.0, 25.0]])
+    assert "2 hold all constraints" in plot.description
+    assert axes_of(plot).get_xlabel() == "stiffness, kN/m"
+
+
+def test_progress_counts_only_designs_that_hold_their_constraints():
+    peaks, held = G * np.array([20.0, 40.0, 30.0, 35.0]), np.array([False, True, True, True])
+    (line,) = axes_of(progress_plot(PEAK, 3 * np.arange(1, 5), peaks, held)).get_lines()
+    np.testing.assert_allclose(line.get_xydata(), [[6.0, 40.0], [9.0, 30.0], [12.0, 30.0]])
+    (line,) = axes_of(progress_plot(PEAK, np.arange(1, 5), peaks, held, largest=True)).get_lines()
+    np.testing.assert_allclose(line.get_ydata(), [40.0, 40.0, 40.0])
+
+
+def test_a_box_is_drawn_within_its_ranges():
+    plot = box_plot({STIFFNESS: (40e3, 60e3), RATIO: (0.0, 0.5)}, {STIFFNESS: (20e3, 120e3), RATIO: (0.0, 1.0)})
+    bars = [(bar.get_x(), bar.get_width()) for bar in axes_of(plot).patches]
+    np.testing.assert_allclose(bars, [(0.0, 100.0), (20.0, 20.0), (0.0, 100.0), (0.0, 50.0)])
+    assert "stiffness 40 kN/m to 60 kN/m of 20 kN/m to 120 kN/m" in plot.description
+    assert "40 to 60 kN/m" in [text.get_text() for text in axes_of(plot).texts]
+
+
+def test_a_cut_through_a_box_shows_which_limit_a_row_breaks():
+    stiffness, ratio = np.array([30e3, 50e3, 110e3]), np.array([0.9, 0.3, 0.3])
+    broken = {"way at most 200 mm": np.array([True, False, False]), "peak at most 30 g": np.array([True, False, True])}
+    sides, ranges = ((40e3, 60e3), (0.0, 0.5)), ((20e3, 120e3), (0.0, 1.0))
+    plot = slice_plot(STIFFNESS, RATIO, (stiffness, ratio), broken, sides, ranges)
+    points = points_of(plot)
+    np.testing.assert_allclose(points["holds all limits"], [[50.0, 0.3]])
+    np.testing.assert_allclose(points["breaks way at most 200 mm"], [[30.0, 0.9]])  # of several the first
+    np.testing.assert_allclose(points["breaks peak at most 30 g"], [[110.0, 0.3]])
+    (box,) = axes_of(plot).patches
+    assert (box.get_x(), box.get_width(), box.get_height()) == pytest.approx((40.0, 20.0, 0.5))
+    assert axes_of(plot).get_title() == ""  # one title, on the left
+    assert axes_of(plot).get_title(loc="left").startswith("A cut through the box")
+
+
+def test_rows_of_a_rare_event_are_told_apart():
+    stiffness, ratio = np.array([30e3, 50e3]), np.array([0.9, 0.3])
+    plot = rare_plot(STIFFNESS, RATIO, (stiffness, ratio), np.array([True, False]), (40e3, 0.5), "way at most 350 mm")
+    points = points_of(plot)
+    np.testing.assert_allclose(points["beyond it"], [[30.0, 0.9]])
+    np.testing.assert_allclose(points["the likeliest beyond it"], [[40.0, 0.5]])
+    assert "1 of them beyond it" in plot.description
+
+
+def test_many_points_are_thinned():
+    rng = np.random.default_rng(0)
+    x, y = rng.random(5000), rng.random(5000)
+    plot = tried_plot(RATIO, RATIO, x, y, np.ones(5000, dtype=bool), (0.5, 0.5))
+    assert 500 <= len(points_of(plot)["holds all constraints"]) <= 700
+    assert len(plot.svg) < 300_000

@@ -177,10 +177,15 @@ def _show_sensitivity(results: dict[str, Any]) -> None:
         rows = []
         for index in of["indices" if sobol else "effects"]:
             parts = [index[one], *([index[other]] if sobol else [])]
-            cells = [_cell(part[end]) for part in parts for end in ("value", "low", "high")]
+            cells = [(_share if sobol else _cell)(part[end]) for part in parts for end in ("value", "low", "high")]
             rows.append((index["parameter"], *cells, *([] if sobol else [_cell(index[other])])))
         columns = (Column("Parameter", numeric=False), *(Column(head) for head in heads))
         show.tables(Table(f"{'Sobol indices' if sobol else 'Elementary effects'} of {name}", columns, tuple(rows)))
+
+
+def _share(value: float | None) -> str:
+    """A share of the variance: what is below a thousandth is rounding, or no matter."""
+    return _cell(None) if value is None else f"{value:.3f}".replace("-0.000", "0.000")
 
 
 def _show_bound(loaded: LoadedStudy, folder: Path) -> None:

@@ -16,6 +16,7 @@ from ridedown.report.study_axes import Bar, Floats, Quantity
 from ridedown.report.study_found import Found
 from ridedown.report.study_optimise import front_plot, parallel_plot
 from ridedown.report.study_sample import cumulative_plot, distribution_plot
+from ridedown.report.study_search import search_plots
 from ridedown.report.study_sensitivity import Interval, effect_plot, idle_sentence, index_plot, tornado_plot
 from ridedown.report.study_sweep import carpet_plot, line_plot, map_plot
 from ridedown.report.style import Plot
@@ -95,6 +96,9 @@ def _found_page(kept: _Kept, folder: Path) -> Page:
     if found.front is not None:
         parameters, goals, chosen = found.front
         sections.append(front_section(parameters, goals, chosen=chosen))
+    plots = tuple(search_plots(kept.loaded, kept, found))
+    if plots:
+        sections.append(Section("figures", "Figures", plots=plots))
     rows = f"{kept.summary['done']:,} rows; kind {kept.kind}."
     notes = (*kept.summary["remarks"], *found.notes)
     return Page(study.name or "A study", study.description, rows, tuple(sections), notes, kept.loaded.text)
@@ -185,12 +189,18 @@ class _Kept:
 
     def columns(self, *quantities: Quantity, where: Mapping[str, float] | None = None) -> list[Floats]:
         """Columns in the order of the rows, (R,) each; NaN where a row has none. Of very many rows, evenly many."""
-        asked = ", ".join(f"CAST({quoted(quantity.name)} AS DOUBLE) AS c{k}" for k, quantity in enumerate(quantities))
         rules = [f"{quoted(name)} = ?" for name in where or {}]
         if not rules:
             rules = [f"row % {max(1, -(-self.summary['rows'] // _MOST_ROWS))} = 0"]
-        sql = f"SELECT {asked} FROM results WHERE {' AND '.join(rules)} ORDER BY row"
-        found = self.connection.execute(sql, list((where or {}).values())).fetchnumpy()
+        return self._fetched(quantities, f"WHERE {' AND '.join(rules)}", list((where or {}).values()))
+
+    def every(self, *quantities: Quantity) -> list[Floats]:
+        """The same of every row, however many."""
+        return self._fetched(quantities, "", [])
+
+    def _fetched(self, quantities: Sequence[Quantity], where: str, values: list[float]) -> list[Floats]:
+        asked = ", ".join(f"CAST({quoted(quantity.name)} AS DOUBLE) AS c{k}" for k, quantity in enumerate(quantities))
+        found = self.connection.execute(f"SELECT {asked} FROM results {where} ORDER BY row", values).fetchnumpy()
         return [np.ma.filled(found[f"c{k}"].astype(np.float64), np.nan) for k in range(len(quantities))]
 
     def levels(self, parameter: Quantity) -> Floats:
@@ -251,12 +261,12 @@ def _sweep(kept: _Kept) -> Iterator[Section]:
 
 
 def _apart(one: Floats, other: Floats) -> bool:
-    """Whether two outcomes both vary, and not as one."""
+    """Whether two outcomes both vary, and not as one: their carpet would be a thread."""
     good = np.isfinite(one) & np.isfinite(other)
     a, b = one[good], other[good]
     if a.size < 4 or np.ptp(a) <= 1e-9 * np.abs(a).max() or np.ptp(b) <= 1e-9 * np.abs(b).max():
         return False
-    return bool(abs(np.corrcoef(a, b)[0, 1]) < 1.0 - 1e-6)
+    return bool(abs(np.corrcoef(a, b)[0, 1]) < 0.99)
 
 
 def _sample(kept: _Kept) -> Iterator[Section]:

@@ -45,7 +45,10 @@ def curve_plot(study: BoundStudy) -> Plot:
         said += f" OLC {_PEAK.text(study.olc)}: the least after {room}."
     axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
     axes.set_xlim(left=max(0.0, min(axes.get_xlim()[0], across[0])))
-    return Plot("bound-curve", axes.get_title(loc="left"), said, done(axes))
+    figure = done(axes)
+    # below the curve, where no design can be and none is marked
+    axes.legend(loc="lower left", ncols=2, fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
+    return Plot("bound-curve", axes.get_title(loc="left"), said, figure)
 
 
 def history_plot(study: BoundStudy) -> Plot:

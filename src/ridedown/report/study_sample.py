@@ -76,7 +76,8 @@ def cumulative_plot(outcome: Quantity, values: ArrayLike, *, limits: Sequence[Ba
     axes.yaxis.set_minor_formatter(lambda _share, _: "")
     axes.yaxis.set_label_coords(-0.088, 0.5)
     for k, limit in enumerate(limits):
-        _mark_limit(axes, outcome, limit, said[k] if k < len(said) else "", k)
+        # low on the left, high on the right: where the curve, which falls, is not
+        _mark_limit(axes, outcome, limit, said[k] if k < len(said) else "", k, falls=True)
     text = f"Share of rows with a larger {outcome.label}; the vertical axis is logarithmic. {known.size:,} rows."
     return Plot(slug("exceeded", outcome.name), axes.get_title(loc="left"), text, done(axes, legend=False))
 
@@ -93,17 +94,18 @@ def _beyond(outcome: Quantity, edges: np.ndarray, limits: Sequence[Bar]) -> np.n
     return bad
 
 
-def _mark_limit(axes: Axes, outcome: Quantity, limit: Bar, said: str, k: int) -> None:
+def _mark_limit(axes: Axes, outcome: Quantity, limit: Bar, said: str, k: int, *, falls: bool = False) -> None:
     at = float(outcome.shown(limit.value))
     axes.axvline(at, color=LIMIT, linewidth=2.0)
     low, high = axes.get_xlim()
     axes.set_xlim(min(low, at - 0.03 * (high - low)), max(high, at + 0.03 * (high - low)))
     left = at > 0.5 * sum(axes.get_xlim())
     text = f"limit {outcome.text(limit.value)}" + (f"\n{said}" if said else "")
+    low_down = falls and left
     axes.annotate(
-        text, (at, 0.98 - 0.16 * k), xycoords=("data", "axes fraction"),
+        text, (at, 0.03 + 0.16 * k if low_down else 0.98 - 0.16 * k), xycoords=("data", "axes fraction"),
         xytext=(-5 if left else 5, 0), textcoords="offset points",
-        ha="right" if left else "left", va="top", fontsize=9.0, color=LIMIT,
+        ha="right" if left else "left", va="bottom" if low_down else "top", fontsize=9.0, color=LIMIT,
         bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
     )  # fmt: skip
 

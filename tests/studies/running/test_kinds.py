@@ -23,6 +23,7 @@ from ridedown.studies.results.store import Store, read_manifest, read_results
 from ridedown.studies.rows.crashes import COMPLETED, Rows
 from ridedown.studies.rows.plan import Function, plan_of
 from ridedown.studies.running.execution import Progress, Stopped, run_plan
+from ridedown.studies.running.searches import designs_tried
 from tests.studies.small import contents
 
 BOUND = {
@@ -374,3 +375,25 @@ def test_one_outcome_of_several_scenarios_is_no_objective(tmp_path):
     study = {**OPTIMISE, "scenario": None, "scenarios": scenarios}
     with pytest.raises(InvalidInput, match=r"full\.adult\.acceleration\.peak.*weighted"):
         run_study(study, tmp_path / "out")
+
+
+def test_what_an_optimisation_made_of_its_rows_is_found_again(tmp_path):
+    population = [{"values": {"adult.mass": "50 kg"}}, {"values": {"adult.mass": "90 kg"}, "weight": 3}]
+    objective = {"outcome": PEAK, "measure": "mean-plus", "sigmas": 2}
+    constraint = {"outcome": WAY, "measure": "worst", "most": "300 mm"}
+    options = {"objectives": [objective], "constraints": [constraint], "candidates": 8, "generations": 4}
+    loaded = load_study({**OPTIMISE, "population": population, "optimise": options})
+    plan = plan_of(loaded)
+    folder = run_plan(loaded, plan, tmp_path / "out")
+    said = read_results(folder)
+    assert said is not None
+    table = query(folder, "SELECT * FROM results ORDER BY row")
+    columns = {name: table[name].to_numpy() for name in (*plan.units, *plan.function.units)}
+    tried = designs_tried(loaded, plan.function.units, columns)
+    assert tried.rows == 2
+    assert 2 * tried.goal.size == said["evaluations"]
+    peaks, ways = (columns[name].reshape(-1, 2) for name in (PEAK, WAY))
+    mean = peaks @ [0.25, 0.75]
+    np.testing.assert_allclose(tried.goal, mean + 2.0 * np.sqrt(((peaks - mean[:, None]) ** 2) @ [0.25, 0.75]), rtol=1e-12)
+    np.testing.assert_array_equal(tried.held, ways.max(axis=1) <= 0.3)
+    assert tried.goal[tried.held].min() == pytest.approx(next(iter(said["chosen"]["objectives"].values())), rel=1e-12)

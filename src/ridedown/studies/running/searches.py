@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.studies.analysis.box import solution_box
 from ridedown.studies.analysis.evaluation import Evaluator
-from ridedown.studies.analysis.goals import Beyond, Goal, Mean, MeanPlus, Measure, Population, QuantileOf, Requirement, Worst
+from ridedown.studies.analysis.goals import (
+    Beyond,
+    Goal,
+    Judge,
+    Mean,
+    MeanPlus,
+    Measure,
+    Population,
+    QuantileOf,
+    Requirement,
+    Worst,
+)
 from ridedown.studies.analysis.importance import rare_event
 from ridedown.studies.analysis.optimise import optimise
 from ridedown.studies.file.limits import bounds_of, limits_of, value_of
@@ -40,6 +52,43 @@ def found_by_search(loaded: LoadedStudy, plan: Plan, evaluator: Evaluator) -> di
     if study.box is not None:
         return _boxed(loaded, plan, evaluator)
     return _rare(study, plan, evaluator, parameters_of(loaded))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tried:
+    """The designs that an optimisation tried, in order: parameters, (D,) each, what its first objective comes to, (D,).
+
+    held: which of them hold all constraints, (D,). rows: of each design, its population.
+    """
+
+    parameters: Mapping[str, Floats]
+    goal: Floats
+    held: NDArray[np.bool_]
+    rows: int
+
+
+def designs_tried(loaded: LoadedStudy, units: Mapping[str, str], columns: Mapping[str, Floats]) -> Tried:
+    """What an optimisation made of the rows that it kept: all its columns, in order, with the units of the outcomes.
+
+    Raises: InvalidInput, UnknownName for a study that does not fit.
+    """
+    options = loaded.study.optimise
+    assert options is not None
+    goals, requirements = _goals(options, units)
+    parameters = parameters_of(loaded)
+    ranges, population = _ranges(loaded.study, parameters), _population(loaded.study, options, parameters)
+    size = population.arrays()[2].size
+    designs = {name: columns[name][::size] for name in ranges}
+
+    def kept(asked: Mapping[str, Floats]) -> Mapping[str, Floats]:
+        assert next(iter(asked.values())).size == next(iter(columns.values())).size
+        return columns
+
+    count = next(iter(designs.values())).size
+    judge = Judge(kept, ranges, goals, requirements, population, batch=max(count * size, 1))
+    unit = np.stack([(designs[name] - low) / (high - low) for name, (low, high) in ranges.items()], axis=1)
+    judged = judge(unit)
+    return Tried(designs, goals[0].sign * judged.goals[:, 0], judged.feasible, size)
 
 
 def _optimised(loaded: LoadedStudy, options: OptimiseOptions, plan: Plan, evaluator: Evaluator) -> dict[str, Any]:
