@@ -59,7 +59,7 @@ def solve(params: Floats, *, threads: int | None = None) -> tuple[Floats, dict[s
     outcomes = ridedown.simulate_many(ridedown.load("p1"), table, outcomes=OUTCOMES, threads=threads)
     outputs = np.empty((len(params), len(OUTCOMES)))
     for i, name in enumerate(OUTCOMES):
-        np.abs(outcomes[name], out=outputs[:, i])  # a peak keeps its sign
+        outputs[:, i] = outcomes[name]
     return outputs, outcomes.failures()
 
 

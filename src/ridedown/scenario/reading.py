@@ -45,7 +45,7 @@ def is_network(data: Mapping[str, Any]) -> bool:
 
 def read(path: Path) -> dict[str, Any]:
     """The bare mapping in a TOML or YAML file of a scenario. Raises: InvalidInput."""
-    data = table_in(path, _text(path), f"need a table of fields such as vehicle1. {_EXAMPLE}")
+    data = table_in(path, text_of(path, "scenario"), f"need a table of fields such as vehicle1. {_EXAMPLE}")
     return anchored(data, path.parent)
 
 
@@ -91,21 +91,26 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def _text(path: Path) -> str:
+def text_of(path: Path, kind: str) -> str:
+    """The text of a file that should hold a scenario, a study or a calibration, as `kind` says. Raises: InvalidInput."""
     try:
         return path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
-        near = UnknownName.among("catalogue", path.stem, catalogue.names())
-        hint = f" {near}" if "Did you mean" in str(near) else ""
-        raise InvalidInput(f"{path}: got no such file; need a scenario file. Check the path.{hint}") from None
+        hint = _catalogue_name_near(path) if kind == "scenario" else ""
+        raise InvalidInput(f"{path}: got no such file; need a {kind} file. Check the path.{hint}") from None
     except IsADirectoryError:
-        raise InvalidInput(f"{path}: got a folder; need a scenario file. Name a file in it.") from None
+        raise InvalidInput(f"{path}: got a folder; need a {kind} file. Name a file in it.") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise InvalidInput(f"{path}, line {line}: got no UTF-8; need UTF-8 text. Save it as UTF-8.") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise InvalidInput(f"{path}: got a file that cannot be read ({reason}); need a scenario file.") from None
+        raise InvalidInput(f"{path}: got a file that cannot be read ({reason}); need a {kind} file.") from None
+
+
+def _catalogue_name_near(path: Path) -> str:
+    near = str(UnknownName.among("catalogue", path.stem, catalogue.names()))
+    return f" {near}" if "Did you mean" in near else ""
 
 
 def _toml(path: Path, text: str) -> Any:

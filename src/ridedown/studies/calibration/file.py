@@ -17,8 +17,8 @@ from pydantic import BeforeValidator, Field, StrictBool, StringConstraints
 from ridedown.errors import InvalidInput
 from ridedown.scenario import Scenario
 from ridedown.scenario.base import Check, Model
-from ridedown.scenario.files import read
 from ridedown.scenario.quantities import Quantity, Refused
+from ridedown.scenario.reading import table_in, text_of
 from ridedown.signals.record import TestRecord
 from ridedown.units import FREQUENCY, TIME
 
@@ -273,4 +273,5 @@ def load_calibration(source: str | os.PathLike[str] | Mapping[str, Any] | Calibr
     if not isinstance(source, str | os.PathLike):
         raise InvalidInput(f"calibration: got {type(source).__name__}; need a file or a mapping.")
     path = Path(source)
-    return Calibration.model_validate(read(path)), path.parent
+    data = table_in(path, text_of(path, "calibration"), "need a calibration: `cases` and `parameters`.")
+    return Calibration.model_validate(data), path.parent

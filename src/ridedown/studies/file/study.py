@@ -19,7 +19,7 @@ from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import Scenario, load, lower
 from ridedown.scenario.base import Check, Model, Name
 from ridedown.scenario.quantities import Duration, Factor
-from ridedown.scenario.reading import SUFFIXES, anchored, table_in
+from ridedown.scenario.reading import SUFFIXES, anchored, table_in, text_of
 from ridedown.studies.file.options import BoundOptions, BoxOptions, Member, OptimiseOptions
 from ridedown.studies.file.parameters import StudyParameter
 
@@ -316,13 +316,7 @@ def _path(source: str | os.PathLike[str]) -> Path:
 def _text(path: Path) -> str:
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidInput(f'study: got "{path}"; need a study file, *.toml or *.yaml. Check the path.')
-    try:
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise InvalidInput(f"{path}: got no UTF-8; need UTF-8 text. Save it as UTF-8.") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InvalidInput(f"{path}: got a file that cannot be read ({reason}); need a study file. Check the path.") from None
+    return text_of(path, "study")
 
 
 def _scenario(where: str, given: str | dict[str, Any], folder: Path) -> Scenario:
