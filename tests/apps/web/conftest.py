@@ -18,6 +18,8 @@ DATA = Path(__file__).resolve().parents[4] / "shared" / "data" / "nhtsa_v10146"
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     with running("--port", "0", "--studies", str(tmp_path_factory.mktemp("studies"))) as made:
+        with made.socket():  # compiled, if it was not: a test waits for its own work only
+            pass
         yield made
 
 
