@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from ridedown import catalogue
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.studies import query
 from ridedown.studies.analysis.designs import Variables
@@ -198,14 +197,6 @@ def test_a_sensitivity_study_resumes_and_says_what_is_idle(tmp_path, method):
     run(folder, study=study, resume=True)
     assert contents(folder) == before
     assert read_results(folder) == said
-
-
-@pytest.mark.parametrize("name", catalogue.studies())
-def test_the_catalogues_studies_load(name):
-    loaded = load_study(name)
-    assert loaded.study.name
-    assert loaded.study.description
-    assert plan_of(loaded).rows > 100
 
 
 def test_the_papers_trends_in_its_damping_series(tmp_path):
