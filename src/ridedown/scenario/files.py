@@ -18,7 +18,7 @@ from ridedown.scenario.reading import SUFFIXES, YAML_SUFFIXES, is_network, mappi
 from ridedown.scenario.sled import SledScenario
 from ridedown.scenario.vehicle import Vehicle
 
-__all__ = ["SUFFIXES", "YAML_SUFFIXES", "dump", "load", "read"]
+__all__ = ["SUFFIXES", "YAML_SUFFIXES", "dump", "load"]
 
 _FIRST = ("name", "kind")
 """What a table says first, where it has them."""

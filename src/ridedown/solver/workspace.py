@@ -302,7 +302,8 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
 
 def _quiet(network: Network, tracked: Tracked) -> Ints:
     quiet = (network.law == Law.RESTRAINT).astype(np.int64)
-    quiet[tracked.item[np.isin(tracked.family, (Family.DEFLECTION, Family.DEFLECTION_RATE))]] = 0
+    if quiet.any():
+        quiet[tracked.item[np.isin(tracked.family, (Family.DEFLECTION, Family.DEFLECTION_RATE))]] = 0
     return quiet
 
 
