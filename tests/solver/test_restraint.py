@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ridedown import load
+from ridedown import load, simulate_many
 from ridedown.network import Action, Curve, KelvinVoigt, Restraint, Timer, channels
 from ridedown.scenario import lower, substitute
 from ridedown.solver.march import Stop
-from ridedown.solver.solve import solve_many, tracked
+from ridedown.solver.solve import solve_many, solve_one, tracked
 from tests.solver.sleds import CAR, MASS, Solved, constant, points, sled, spring
 
 TIMES = np.linspace(0.0, 0.2, 401)
@@ -411,3 +411,16 @@ def test_a_weaker_second_stage_of_a_damped_belt(unloading: float | None) -> None
     force = solved.at("driver.0.force", np.linspace(0.0501, 0.09, 300))
     np.testing.assert_allclose(force, 1800.0, rtol=1e-12)
     assert solved.phases.payout[0] == pytest.approx(-solved.phases.reel[0], rel=1e-12)
+
+
+def test_of_a_level_top_the_first_point_is_the_peak() -> None:
+    limited, who = load("example-restraints"), "driver.shoulder-belt.force"
+    network = lower(limited)
+    phases, _ = solve_one(network)
+    of_belt = phases.event_element == network.elements.index("driver.shoulder-belt")
+    slips = phases.event_time[of_belt & (phases.event_before == 1) & (phases.event_after == 5)][0]
+    force, when = phases.largest(phases.series(channels(network)[who]), 1)
+    assert force == pytest.approx(5500.0, rel=1e-12)
+    assert when == pytest.approx(slips, abs=1e-12)  # where the limiter holds again, the force is the same but for round-off
+    many = simulate_many(limited, {"driver.shoulder-belt.slack": np.full(40, 0.03)}, outcomes=[f"{who}.max_time"])
+    np.testing.assert_allclose(many[f"{who}.max_time"], slips, rtol=1e-9)

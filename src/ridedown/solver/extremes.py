@@ -139,9 +139,9 @@ def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, o
         length, begun = load(step, block), load(time, block)
         moved = length > 0.0
         now, since = load(extreme, best + block), load(extreme, when + block)
-        better = moved & (low > now)
+        better = moved & (low - polynomial.TIE * abs(low) > now)
         now, since = where(better, low, now), where(better, begun, since)
-        better = moved & (high > now)
+        better = moved & (high - polynomial.TIE * abs(high) > now)
         now, since = where(better, high, now), where(better, begun + length, since)
         store(extreme, best + block, now)
         store(extreme, when + block, since)
@@ -215,6 +215,6 @@ def _raise_all(count, source, base, time, step, best, when, extreme, falling, ow
         for j in range(DEGREE, -1, -1):
             top = top * h + source[base + row(j) + l]
         top *= owner[2 * x + 1]
-        if top > extreme[best + l]:
+        if polynomial.beats(top, extreme[best + l]):
             extreme[best + l] = top
             extreme[when + l] = time[l] + h

@@ -14,13 +14,16 @@ from math import comb
 
 import numpy as np
 
-from ridedown.compiled import kernel, part
+from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats
 from ridedown.solver.layout import Table
 
 MAX_DEGREE = 24
 NO_ROOT = 2.0
 """What `first_root` answers where there is none: outside [0, 1]."""
+
+TIE = 1e-13
+"""Of a value: what is no more than this above another is the same but for round-off."""
 
 _DEPTH = 40  # halvings; a dip still undecided at 2^-40 of the step is a touch within round-off
 _ITERATIONS = 80  # of the bracketed Newton search: bisection alone would need 53
@@ -35,6 +38,12 @@ _TO_BERNSTEIN = np.array(
     ]
 )
 """[n, k, i]: what the power k adds to the Bernstein coefficient i of degree n."""
+
+
+@inlined
+def beats(value, best):
+    """Whether a value exceeds the best so far by more than round-off: of a level top, the first point is wanted."""
+    return value - TIE * abs(value) > best
 
 
 @part
@@ -170,7 +179,7 @@ def first_root(p: Floats, room: Table) -> float:
 
 @kernel
 def maximum(p: Floats, best: float, room: Table) -> tuple[float, float]:
-    """The largest value on [0, 1] and where, or (best, -1) if nothing there exceeds `best`."""
+    """The largest value on [0, 1] and where first, or (best, -1) if nothing there exceeds `best` by more than round-off."""
     n = p.size - 1
     where = -1.0
     _to_bernstein(p, room)
@@ -184,9 +193,9 @@ def maximum(p: Floats, best: float, room: Table) -> tuple[float, float]:
             top = max(top, room[depth, i])
         split = False
         if top > best:
-            if room[depth, 0] > best:
+            if beats(room[depth, 0], best):
                 best, where = room[depth, 0], start
-            if room[depth, n] > best:
+            if beats(room[depth, n], best):
                 best, where = room[depth, n], start + width
             for i in range(n):
                 room[_DIFFERENCES, i] = room[depth, i + 1] - room[depth, i]
@@ -195,7 +204,7 @@ def maximum(p: Floats, best: float, room: Table) -> tuple[float, float]:
             if changes == 1 and first > 0:
                 t = _only_root(room[_DERIVATIVE, :n], start, start + width)
                 peak = _value(p, t)
-                if peak > best:
+                if beats(peak, best):
                     best, where = peak, t
         if split:
             _halve(room, depth, n)
