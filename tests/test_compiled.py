@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from ridedown.apps import uncompiled
+from ridedown.compiled import kernels
+
 KERNELS = """
 import numpy as np
 from numpy.typing import NDArray
@@ -298,3 +301,11 @@ except TypeError as error:
     print(error)
 """
     assert run(small, code).startswith("small.kernels:total takes values (float64, 1 dimensions), first (int64): ")
+
+
+def test_what_commands_compile_first_is_all_they_need(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernels.Kernel, "is_kept", lambda _: False)
+    run, criteria = uncompiled.of_a_run(), uncompiled.of_all_criteria()
+    assert {"ridedown.solver.march:march", "ridedown.solver.events:find", "ridedown.criteria.windows:best_window"} <= set(run)
+    assert {"ridedown.criteria.windows:best_window", "ridedown.criteria.flail:_contacts"} <= set(criteria)
+    assert not [name for name in criteria if not name.startswith("ridedown.criteria.")]

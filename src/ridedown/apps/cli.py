@@ -122,8 +122,10 @@ def criteria(
         record = record_at(path)
 
         from ridedown.apps import show
+        from ridedown.apps.uncompiled import of_all_criteria
         from ridedown.report.criteria import CriteriaReport
 
+        _compile(of_all_criteria(), "the criteria", "a few seconds")
         with show.working("computing the criteria"):
             report = CriteriaReport(record)
             data = report.as_json()
@@ -399,20 +401,22 @@ def _plain_errors() -> Iterator[None]:
 
 
 def _compile_if_cold() -> None:
-    import ridedown.criteria.head
-    import ridedown.solver.march  # noqa: F401 - the kernels of both
-    from ridedown.compiled import can_be_kept, unkept
+    from ridedown.apps import uncompiled
 
-    of_criteria = ("ridedown.criteria.windows:best_window", "ridedown.criteria.levels:highest_reached")
-    missing = [name for start in (*of_criteria, "ridedown.solver.") for name in unkept(start)]
+    _compile(uncompiled.of_a_run(), "the solver", "ten to thirty seconds")
+
+
+def _compile(missing: list[str], what: str, time_it_takes: str) -> None:
+    from ridedown.compiled import can_be_kept
+
     if missing and can_be_kept(missing[0]):
         from ridedown.apps.first_run import compile_side_by_side
 
-        typer.echo("compiling the solver, once; ten to thirty seconds", err=True)
+        typer.echo(f"compiling {what}, once; {time_it_takes}", err=True)
         compile_side_by_side(missing)
     elif missing:
         why = "the folder to keep it in cannot be written (RIDEDOWN_CACHE_DIR names another)"
-        typer.echo(f"compiling the solver, up to half a minute each time: {why}", err=True)
+        typer.echo(f"compiling {what}, {time_it_takes} each time: {why}", err=True)
 
 
 def _refuse(sentence: str) -> None:

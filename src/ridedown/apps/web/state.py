@@ -79,14 +79,12 @@ class Server:
 
 def _warm() -> None:
     # heavy imports, which a server that only shows its page need not wait for
-    import ridedown.criteria.head  # noqa: PLC0415
-    import ridedown.solver.march  # noqa: F401, PLC0415
+    from ridedown.apps.uncompiled import of_a_run, of_all_criteria  # noqa: PLC0415
     from ridedown.apps.web import crash, maps, requests, results  # noqa: PLC0415
-    from ridedown.compiled import can_be_kept, unkept  # noqa: PLC0415
+    from ridedown.compiled import can_be_kept  # noqa: PLC0415
     from ridedown.simulation import simulate  # noqa: PLC0415
 
-    of_criteria = ("ridedown.criteria.windows:best_window", "ridedown.criteria.levels:highest_reached")
-    missing = [name for start in (*of_criteria, "ridedown.solver.") for name in unkept(start)]
+    missing = list(dict.fromkeys([*of_a_run(), *of_all_criteria()]))
     if missing and can_be_kept(missing[0]):
         compile_side_by_side(missing)
     scenario = requests.scenario_of({"scenario": "example-offset"})
