@@ -51,7 +51,8 @@ def front_plot(
     if chosen is not None:
         a, b = np.asarray(points[0])[chosen], np.asarray(points[1])[chosen]
         axes.plot(across[chosen], up[chosen], "D", color=PALETTE[1], markersize=9.0, label="chosen", zorder=5)
-        note(axes, f"{x.text(a)}, {y.text(b)}", (float(across[chosen]), float(up[chosen])))
+        at = float(across[chosen]), float(up[chosen])
+        note(axes, f"{x.text(a)}, {y.text(b)}", at, ha="right" if at[0] > np.quantile(axes.get_xlim(), 0.7) else "left")
         text += f" Chosen: {x.text(a)}, {y.text(b)}."
     for limit in limits[0]:
         limit_upright(axes, x, limit)
