@@ -17,7 +17,7 @@ from ridedown.scenario.kinds import S
 from ridedown.solver.solve import solve_many, solve_one
 from ridedown.status import Status
 
-_CHUNK = 8192  # crashes lowered and solved at a time: what bounds the memory
+_CHUNK = 4096  # crashes lowered and solved at a time: what bounds the memory, and the wait for the last thread
 
 
 def simulate(scenario: Scenario, *, throw: bool = True) -> Response:
