@@ -134,7 +134,9 @@ def test_an_interrupt_ends_cleanly_and_tells_how_to_go_on(tmp_path, number):
         'kind = "sweep"\nscenario = "p1"\noutcomes = ["adult.excursion.max"]\n'
         '[[parameters]]\npath = "vehicle1.mass"\ngrid = { start = "1 t", stop = "2 t", count = 2_000_000 }\n'
     )
-    command = [sys.executable, "-c", "from ridedown.apps.cli import main; main()", "study", "long.toml", "--threads", "1"]
+    heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # where the tests run in the background
+    begun = f"{heard}; from ridedown.apps.cli import main; main()"
+    command = [sys.executable, "-c", begun, "study", "long.toml", "--threads", "1"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
     with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as process:
         chunks = tmp_path / "long-results" / "chunks"
