@@ -610,7 +610,7 @@ def test_every_kind_of_study_is_started_watched_seen_and_downloaded(watched: Wat
 LONG_SWEEP = """kind = "sweep"
 name = "long"
 scenario = "p1"
-outcomes = ["adult.excursion.max", "adult.acceleration.peak"]
+outcomes = ["adult.clip_3ms", "adult.acceleration.peak"]
 parameters = [
     { path = "adult.restraint.stiffness", grid = { start = "40 kN/m", stop = "120 kN/m", count = 400 } },
     { path = "vehicle1.speed", grid = { start = "30 km/h", stop = "64 km/h", count = 500 } },
