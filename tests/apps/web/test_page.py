@@ -613,7 +613,7 @@ scenario = "p1"
 outcomes = ["adult.clip_3ms", "adult.acceleration.peak"]
 parameters = [
     { path = "adult.restraint.stiffness", grid = { start = "40 kN/m", stop = "120 kN/m", count = 400 } },
-    { path = "vehicle1.speed", grid = { start = "30 km/h", stop = "64 km/h", count = 200 } },
+    { path = "vehicle1.speed", grid = { start = "30 km/h", stop = "64 km/h", count = 320 } },
 ]
 """
 LONG_SEARCH = """kind = "optimise"
