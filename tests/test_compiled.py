@@ -11,6 +11,7 @@ import pytest
 
 from ridedown.apps import uncompiled
 from ridedown.compiled import kernels
+from ridedown.compiled.keeping import folder_of
 
 KERNELS = """
 import numpy as np
@@ -309,3 +310,15 @@ def test_what_commands_compile_first_is_all_they_need(monkeypatch: pytest.Monkey
     assert {"ridedown.solver.march:march", "ridedown.solver.events:find", "ridedown.criteria.windows:best_window"} <= set(run)
     assert {"ridedown.criteria.windows:best_window", "ridedown.criteria.flail:_contacts"} <= set(criteria)
     assert not [name for name in criteria if not name.startswith("ridedown.criteria.")]
+
+
+def test_what_is_kept_is_not_taken_after_a_change_of_the_numbers_in_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RIDEDOWN_CACHE_DIR", str(tmp_path / "cache"))
+    package, beside = tmp_path / "solver", tmp_path / "network"
+    for folder in (package, beside):
+        folder.mkdir()
+        (folder / "model.py").write_text("LAW = 1\n")
+    first = folder_of.__wrapped__(package)
+    assert folder_of.__wrapped__(package) == first
+    (beside / "model.py").write_text("LAW = 2\n")  # the package itself is as it was
+    assert folder_of.__wrapped__(package) != first

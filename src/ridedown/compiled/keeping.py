@@ -17,6 +17,8 @@ from pathlib import Path
 
 from llvmlite.binding import get_host_cpu_features, get_host_cpu_name
 
+_SPOKEN = "network"
+"""The package beside it whose numbers for laws, families and actions are in the kernels' code as constants."""
 _SUFFIX = ".code"
 _DIGEST = hashlib.sha256().digest_size
 _LENGTH = 8
@@ -73,8 +75,9 @@ def _hash(package: Path) -> str:
     compilers = [version(name) for name in ("numba", "llvmlite")]
     processor = get_host_cpu_name(), get_host_cpu_features().flatten()
     digest = hashlib.sha256(repr((sys.version, compilers, processor, settings, str(package))).encode())
-    for source in (*sorted(Path(__file__).parent.glob("*.py")), *sorted(package.glob("*.py"))):
-        digest.update(source.read_bytes())
+    for folder in (Path(__file__).parent, package.parent / _SPOKEN, package):
+        for source in sorted(folder.glob("*.py")):
+            digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
 
 

@@ -173,11 +173,10 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
                 stopped &= stopped - 1
                 if crash[l] >= 0:
                     stop = _stop_of(l, until, pause, last, steps, idle, scale, bars, q)
-                    for e in range(law.size):
-                        if law[e] == laws.RESTRAINT:
-                            if rests[row(e) + block] != 0:
-                                series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
-                            changes.settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)
+                    _settle(
+                        l, block, law, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, crash, step,
+                        piece_start, coefficients, pieces, memory, mode,
+                    )  # fmt: skip
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH
                     until[l] = 0.0
@@ -256,6 +255,19 @@ def _open(
     for k in range(tracked):
         extreme[extreme_at(k, BEST) + l] = -np.inf
         extreme[extreme_at(k, WHEN) + l] = 0.0
+
+
+@part
+def _settle(
+    l, block, law, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, crash, step, piece_start,
+    coefficients, pieces, memory, mode,
+):  # fmt: skip
+    """Where the reels of lane l are, at the end of its last step."""
+    for e in range(law.size):
+        if law[e] == laws.RESTRAINT:
+            if rests[row(e) + block] != 0:
+                series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
+            changes.settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)
 
 
 @part

@@ -16,7 +16,7 @@ from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver.laws import ELASTIC, PLASTIC, RESTRAINT
 from ridedown.solver.layout import D0, DEGREE, F0, FILL, FILLING, PULL, STRIDE, V0, C, K, at, line_at, row
-from ridedown.solver.vector import WIDTH, lanes_of, load, spread, store
+from ridedown.solver.vector import ALL_LANES, WIDTH, lanes_of, load, spread, store
 
 _TANGENT = np.array(
     [1, 1 / 3, 2 / 15, 17 / 315, 62 / 2835, 1382 / 155925, 21844 / 6081075, 929569 / 638512875, 6404582 / 10854718875]
@@ -82,7 +82,7 @@ def rest(lanes, law, quiet, empty, line, f, rests):
             most = abs(load(line, line_at(e, K) + l)) + abs(load(line, line_at(e, C) + l)) + abs(load(line, line_at(e, F0) + l))
             if empty[e] != 0:
                 most *= abs(load(line, line_at(e, FILL) + l)) + abs(load(line, line_at(e, FILLING) + l))
-            if lanes_of(most > 0.0) != 0:
+            if lanes_of(most <= 0.0) != ALL_LANES:  # one that is not a number does not rest: it stops its crash
                 rests[row(e) + l] = 0
             elif rests[row(e) + l] == 0:
                 rests[row(e) + l] = 1
@@ -125,29 +125,22 @@ def _tangents(lanes, j, bar_coordinate, q, tan, sec2, turn):
         middle = at(b, j // 2)
         for l in range(0, lanes, WIDTH):
             store(turn, last + l, (j + 1.0) * load(q, rate + l))
-            square, other = spread(0.0), spread(0.0)  # sums of every second term: they need not wait for each other
+            square = spread(0.0)
             up, down = first + l, last + l
-            while up + STRIDE < down - STRIDE:  # the square's sum is symmetric
+            while up < down:  # the square's sum is symmetric
                 square += load(tan, up) * load(tan, down)
-                other += load(tan, up + STRIDE) * load(tan, down - STRIDE)
-                up += 2 * STRIDE
-                down -= 2 * STRIDE
-            if up < down:
-                square += load(tan, up) * load(tan, down)
-            square = 2.0 * (square + other)
+                up += STRIDE
+                down -= STRIDE
+            square *= 2.0
             if j % 2 == 0:
                 square += load(tan, middle + l) * load(tan, middle + l)
             store(sec2, last + l, square)
-            total, other = square * load(turn, first + l), spread(0.0)
+            total = square * load(turn, first + l)
             up, down = first + l, last + l
-            for _ in range(j // 2):
+            for _ in range(j):
                 total += load(sec2, up) * load(turn, down)
-                other += load(sec2, up + STRIDE) * load(turn, down - STRIDE)
-                up += 2 * STRIDE
-                down -= 2 * STRIDE
-            if j % 2 == 1:
-                total += load(sec2, up) * load(turn, down)
-            total += other
+                up += STRIDE
+                down -= STRIDE
             store(tan, last + STRIDE + l, total * (1.0 / (j + 1)))
 
 

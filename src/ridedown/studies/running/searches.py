@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.studies.analysis.box import solution_box
-from ridedown.studies.analysis.evaluation import Evaluator
+from ridedown.studies.analysis.evaluation import Evaluator, Limit
 from ridedown.studies.analysis.goals import (
     Beyond,
     Goal,
@@ -182,7 +182,7 @@ def _boxed(loaded: LoadedStudy, plan: Plan, evaluator: Evaluator) -> dict[str, A
     )
     box = {name: list(ends) for name, ends in found.ranges.items()}
     said = {key: value for key, value in asdict(found).items() if key not in {"ranges", *_cost(found)}}
-    rules = [{"outcome": one.outcome, "most": one.most, "least": one.least, "rule": one.rule} for one in limits]
+    rules = [_rule(one) for one in limits]
     ends = {name: list(one) for name, one in ranges.items()}
     return {"kind": "box", "limits": rules, "ranges": ends, "box": {"ranges": box, **said}, **_cost(found)}
 
@@ -204,9 +204,12 @@ def _rare(study: Study, plan: Plan, evaluator: Evaluator, parameters: tuple[Vari
             seed=options.seed,
         )
         said = {key: value for key, value in asdict(event).items() if key not in {"limit", "seed"}}
-        rule = {"outcome": limit.outcome, "most": limit.most, "least": limit.least, "rule": limit.rule}
-        found.append({**rule, **said, "beta": event.beta, "warnings": list(event.warnings)})
+        found.append({**_rule(limit), **said, "beta": event.beta, "warnings": list(event.warnings)})
     return {"kind": "sample", "rare": True, "limits": found, "seed": options.seed, "confidence": options.confidence}
+
+
+def _rule(limit: Limit) -> dict[str, Any]:
+    return {"outcome": limit.outcome, "most": limit.most, "least": limit.least, "rule": limit.rule}
 
 
 def _cost(found: Any) -> dict[str, Any]:
