@@ -42,10 +42,11 @@ class Found:
                     f"{100.0 * box['bad_share']:.2g} % of its designs do, at {100.0 * box['confidence']:g} % confidence."
                 )
             if box["binding"]:
-                yield f"Designs just outside the box break {' and '.join(box['binding'])}."
+                words = {limit["rule"]: self._words(limit) for limit in found["limits"]}
+                yield f"Designs just outside the box break: {'; '.join(words[rule] for rule in box['binding'])}."
         yield from found.get("warnings", [])
         for limit in found.get("limits", []):
-            yield from (f"{limit['rule']}: {warning}" for warning in limit.get("warnings", []))
+            yield from (f"{self._words(limit)}: {warning}" for warning in limit.get("warnings", []))
         seed = f"seed {found['seed']}"
         if "rare" in found:
             yield f"Rows are drawn where the limit is exceeded, and weighed ({seed}): their mean says nothing."
@@ -65,6 +66,10 @@ class Found:
             {Quantity(name, units[name]): np.array(of) for name, of in front["objectives"].items()},
             front["chosen"],
         )
+
+    def _words(self, limit: Mapping[str, Any]) -> str:
+        """A limit in words, in the unit that is read."""
+        return f"{limit['outcome']} {_bar(limit).words(self.quantities[limit['outcome']])}"
 
     def _design(self) -> Table:
         columns = (
@@ -110,9 +115,7 @@ class Found:
             of = self.quantities[name]
             values = (of.text(value, unit=False) for value in (*sides, *self.results["ranges"][name]))
             rows.append((name, of.read_in or NONE, *values))
-        rules = "; ".join(
-            f"{one['outcome']} {_bar(one).words(self.quantities[one['outcome']])}" for one in self.results["limits"]
-        )
+        rules = "; ".join(self._words(one) for one in self.results["limits"])
         return Table(f"Box, {100.0 * box['share']:.3g} % of the volume, with {rules}", columns, tuple(rows))
 
     def _rare(self) -> Table:
@@ -124,8 +127,7 @@ class Found:
         for one in self.results["limits"]:
             chance = one["probability"]
             ends = (_cell(chance[end]) for end in ("value", "low", "high"))
-            rule = f"{one['outcome']} {_bar(one).words(self.quantities[one['outcome']])}"
-            rows.append((rule, *ends, _cell(one["beta"]), f"{one['effective']:.0f}", f"{one['evaluations']:,}"))
+            rows.append((self._words(one), *ends, _cell(one["beta"]), f"{one['effective']:.0f}", f"{one['evaluations']:,}"))
         return Table("How likely limits are exceeded", columns, tuple(rows))
 
     def _likeliest(self) -> Table:
@@ -133,7 +135,8 @@ class Found:
         names = list(limits[0]["likeliest"]) if limits else []
         columns = (Column("Limit", numeric=False), *(Column(name, self.quantities[name].read_in) for name in names))
         rows = tuple(
-            (one["rule"], *(self.quantities[name].text(one["likeliest"][name], unit=False) for name in names)) for one in limits
+            (self._words(one), *(self.quantities[name].text(one["likeliest"][name], unit=False) for name in names))
+            for one in limits
         )
         return Table("The likeliest row beyond each limit", columns, rows)
 
