@@ -154,3 +154,4 @@ def test_a_search_has_what_it_found_and_not_the_spread_of_its_rows(tmp_path):
         assert "seed 0" in html
         words = {"front": "The knee of a front of", "one": "at an end of its range", "box": "200 mm", "rare": "Effective rows"}
         assert words[name] in html
+        assert " &lt;= " not in html.split("<pre", 1)[0]  # limits are said in words, in the unit that is read
