@@ -9,6 +9,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -132,7 +133,8 @@ def test_bad_sql_is_one_sentence(made):
 def test_an_interrupt_ends_cleanly_and_tells_how_to_go_on(tmp_path, number):
     (tmp_path / "long.toml").write_text(
         'kind = "sweep"\nscenario = "p1"\noutcomes = ["adult.excursion.max"]\n'
-        '[[parameters]]\npath = "vehicle1.mass"\ngrid = { start = "1 t", stop = "2 t", count = 2_000_000 }\n'
+        'parameters = [\n{ path = "vehicle1.mass", grid = { start = "1 t", stop = "2 t", count = 2000 } },\n'
+        '{ path = "adult.mass", grid = { start = "50 kg", stop = "100 kg", count = 1000 } },\n]\n'
     )
     heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # where the tests run in the background
     begun = f"{heard}; from ridedown.apps.cli import main; main()"
@@ -142,6 +144,7 @@ def test_an_interrupt_ends_cleanly_and_tells_how_to_go_on(tmp_path, number):
         chunks = tmp_path / "long-results" / "chunks"
         while not (chunks.is_dir() and list(chunks.glob("chunk-*.parquet"))):
             assert process.poll() is None
+            time.sleep(0.02)  # it needs the processor itself
         process.send_signal(number)
         _, stderr = process.communicate(timeout=60)
     assert process.returncode == 3
