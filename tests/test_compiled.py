@@ -114,13 +114,25 @@ if __name__ == "__main__":
 """
 
 
+def written(folder: Path) -> Path:
+    (folder / "small").mkdir()
+    (folder / "small" / "__init__.py").touch()
+    (folder / "small" / "kernels.py").write_text(KERNELS, encoding="utf-8")
+    return folder
+
+
 @pytest.fixture
 def small(tmp_path: Path) -> Path:
-    folder = tmp_path / "small"
-    folder.mkdir()
-    (folder / "__init__.py").touch()
-    (folder / "kernels.py").write_text(KERNELS, encoding="utf-8")
-    return tmp_path
+    """The package, of which nothing is compiled."""
+    return written(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The package with the kernels that `CALL` calls kept, for tests that leave them so."""
+    folder = written(tmp_path_factory.mktemp("compiled"))
+    run(folder, CALL)
+    return folder
 
 
 def start(folder: Path, code: str, cache: Path | None = None) -> subprocess.Popen[str]:
@@ -164,12 +176,11 @@ def test_compiled_on_call_with_what_it_calls(small):
     assert sorted(kept(small)) == ["kernels.most_and_total", "kernels.total"]
 
 
-def test_what_is_lost_is_compiled_again(small):
-    run(small, CALL)
-    for path in (small / "cache").rglob("kernels.total*"):
+def test_what_is_lost_is_compiled_again(compiled):
+    for path in (compiled / "cache").rglob("kernels.total*"):
         path.unlink()
-    run(small, CALL)
-    assert sorted(kept(small)) == ["kernels.most_and_total", "kernels.total"]
+    run(compiled, CALL)
+    assert sorted(kept(compiled)) == ["kernels.most_and_total", "kernels.total"]
 
 
 def test_two_processes_at_once(small):
@@ -239,12 +250,11 @@ def test_what_is_kept_is_loaded_without_numba(small):
 @pytest.mark.parametrize(
     "damage", [lambda content: content[:-100], lambda content: content[:0], lambda content: content[:99] + b"!" * 9]
 )
-def test_what_is_damaged_is_compiled_again(small, damage):
-    run(small, CALL)
-    (path,) = (small / "cache").rglob("kernels.total.code")
+def test_what_is_damaged_is_compiled_again(compiled, damage):
+    (path,) = (compiled / "cache").rglob("kernels.total.code")
     whole = path.read_bytes()
     path.write_bytes(damage(whole))
-    run(small, CALL)
+    run(compiled, CALL)
     assert len(path.read_bytes()) == len(whole)
 
 
@@ -292,7 +302,7 @@ print(every_kind(np.zeros(2), counts, np.zeros((0, 3)), cube, np.int64(4), 2, np
         "np.zeros(3), 0, 0",
     ],
 )
-def test_other_arguments_than_declared_are_refused(small, arguments):
+def test_other_arguments_than_declared_are_refused(compiled, arguments):
     code = f"""
 import numpy as np
 from small.kernels import total
@@ -301,7 +311,7 @@ try:
 except TypeError as error:
     print(error)
 """
-    assert run(small, code).startswith("small.kernels:total takes values (float64, 1 dimensions), first (int64): ")
+    assert run(compiled, code).startswith("small.kernels:total takes values (float64, 1 dimensions), first (int64): ")
 
 
 def test_what_commands_compile_first_is_all_they_need(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -29,7 +29,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # playwright
 
 G = 9.80665
 READY = ".status.ready"
-SOON = 30e3  # ms
+PATIENCE = 120e3  # ms for a page to show something, on a machine that is busy with other tests
 PHONE = {"width": 390, "height": 844}
 VIEWS = ("crash", "map", "test", "paper", "study")
 SHOWN = {"crash": ".results table", "map": ".map canvas", "test": ".drop", "paper": ".plot >> nth=13", "study": ".study-new"}
@@ -48,7 +48,7 @@ class Watched:
         context = self.browser.new_context(**{"viewport": {"width": 1400, "height": 1000}, "accept_downloads": True, **options})
         self.contexts.append(context)
         page = context.new_page()
-        page.set_default_timeout(SOON)
+        page.set_default_timeout(PATIENCE)
         page.on("console", self._hear)
         page.on("pageerror", lambda error: self.troubles.append(str(error)))
         page.on("request", lambda request: self._note(request.url))
@@ -319,7 +319,7 @@ def test_the_map_goes_where_it_is_clicked(watched: Watched) -> None:
 
 def test_the_map_shows_what_physics_allows(watched: Watched) -> None:
     page = watched.open("#/map?s=example-offset&v.driver.restraint.slack=0.03", wait=SHOWN["map"])
-    page.wait_for_selector(".map .legend:has-text('within the excursion that each crash has')", timeout=4 * SOON)
+    page.wait_for_selector(".map .legend:has-text('within the excursion that each crash has')")
     response = simulate(substitute(load("example-offset"), {"driver.restraint.slack": 0.03}))
     found = gap_of(response, "driver")
     design = f"This design {found.design.peak / G:.1f} g"
@@ -328,7 +328,7 @@ def test_the_map_shows_what_physics_allows(watched: Watched) -> None:
     assert f"{1.0 / found.ratio:.2f} times the least possible" in page.locator(".physics").inner_text()
     page.get_by_label("Excursion allowed, mm").fill("250")
     page.get_by_label("Excursion allowed, mm").press("Enter")
-    page.wait_for_selector(".map .legend:has-text('excursion of 250 mm')", timeout=4 * SOON)
+    page.wait_for_selector(".map .legend:has-text('excursion of 250 mm')")
     least = Limiting(motion_of(response, "vehicle1"), horizon=response.end_time).bound(0.25)
     page.wait_for_selector(f".physics:has-text('{design}, physics allows {least.peak_g:.1f} g within 250 mm.')")
     assert f"The design uses {within}: more than is allowed" in page.locator(".physics").inner_text()
@@ -400,7 +400,7 @@ def dropped(watched: Watched, measured: Path) -> Page:
 def test_a_restraint_is_fitted_to_a_measured_test(watched: Watched, dropped: Page, measured: Path) -> None:
     page = dropped
     page.get_by_role("button", name="Calibrate", exact=True).click()
-    page.wait_for_selector(".calibrate .results", timeout=4 * SOON)
+    page.wait_for_selector(".calibrate .results")
     expected = calibrate(calibration_of_test(read(measured), "13"))
     channel = expected.channels[0]
     assert channel.rating is not None
@@ -454,7 +454,7 @@ def test_what_is_fitted_is_chosen(watched: Watched, dropped: Page, measured: Pat
         page.get_by_label(label).press("Enter")
         assert page.get_by_label(label).input_value() == shown
     page.get_by_role("button", name="Calibrate", exact=True).click()
-    page.wait_for_selector(".calibrate .results", timeout=4 * SOON)
+    page.wait_for_selector(".calibrate .results")
     expected = calibrate(
         calibration_of_test(
             read(measured), "59", "spring and damper", free={"stiffness": (20e3, 500e3), "damping ratio": (0.0, 0.8)},
@@ -518,7 +518,7 @@ def test_a_loose_table_is_a_test_too(watched: Watched, tmp_path: Path, suffix: s
     page.get_by_role("combobox", name="Restraint").select_option("spring and damper")
     search_of(page).select_option("quick")
     page.get_by_role("button", name="Calibrate", exact=True).click()
-    page.wait_for_selector(".calibrate .results", timeout=4 * SOON)
+    page.wait_for_selector(".calibrate .results")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -527,7 +527,7 @@ def test_accessibility_of_a_fit(watched: Watched, dropped: Page, scheme: str) ->
 
     search_of(dropped).select_option("quick")
     dropped.get_by_role("button", name="Calibrate", exact=True).click()
-    dropped.wait_for_selector(".calibrate .results", timeout=4 * SOON)
+    dropped.wait_for_selector(".calibrate .results")
     dropped.wait_for_timeout(300)
     page = watched.open("#" + dropped.url.partition("#")[2], wait=".calibrate .results", color_scheme=scheme)
     found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]})
@@ -591,7 +591,7 @@ def test_every_kind_of_study_is_started_watched_seen_and_downloaded(watched: Wat
     page.wait_for_function("kind => document.querySelector('textarea').value.includes(`name = \"${kind}\"`)", arg=kind)
     assert 'mass = "70 kg"' in page.locator("textarea").input_value()  # the crash as the other views have it
     page.get_by_role("button", name="Start", exact=True).click()
-    page.wait_for_selector(STUDY_DONE, timeout=4 * SOON)
+    page.wait_for_selector(STUDY_DONE)
     for heading in FIGURES[kind]:
         page.wait_for_selector(f".study-part h3:has-text('{heading}')")
     drawn = page.locator(".drawn img")
@@ -641,17 +641,17 @@ def test_a_study_is_cancelled_and_resumed(watched: Watched, text: str, stopped: 
     assert page.get_by_role("button", name="Start", exact=True).is_disabled()
     page.locator(".kept button").first.click()
     page.get_by_role("button", name="Cancel").click()
-    page.wait_for_selector("text=cancelled; what is done is kept", timeout=2 * SOON)
+    page.wait_for_selector("text=cancelled; what is done is kept")
     assert "stopped" in page.locator(".kept button").first.inner_text()
     page.wait_for_selector(stopped)  # of what there is, figures where they mean something
     page.get_by_role("button", name="Resume").click()
     if text == LONG_SWEEP:
-        page.wait_for_selector(STUDY_DONE, timeout=4 * SOON)
+        page.wait_for_selector(STUDY_DONE)
         page.wait_for_selector(".drawn img")
     else:  # it would go on for a minute
-        page.wait_for_selector("[aria-label='The study that runs'] :text('rows a second')", timeout=2 * SOON)
+        page.wait_for_selector("[aria-label='The study that runs'] :text('rows a second')")
         page.get_by_role("button", name="Cancel").click()
-        page.wait_for_selector("text=cancelled; what is done is kept", timeout=2 * SOON)
+        page.wait_for_selector("text=cancelled; what is done is kept")
 
 
 def test_a_study_that_cannot_be_is_said(watched: Watched) -> None:
@@ -688,7 +688,7 @@ def test_it_goes_on_when_the_server_comes_back(browser: Browser) -> None:
         port = free.getsockname()[1]
     context = browser.new_context()
     page = context.new_page()
-    page.set_default_timeout(SOON)
+    page.set_default_timeout(PATIENCE)
     with running("--port", str(port)) as server:
         page.goto(f"{server.address}/#/crash?s=p1")
         page.wait_for_selector(f"{READY} >> visible=true")
@@ -708,6 +708,7 @@ def test_a_cold_start_is_said(browser: Browser, tmp_path: Path) -> None:
     with running("--port", "0", environment={"RIDEDOWN_CACHE_DIR": str(tmp_path)}) as server:
         context = browser.new_context()
         page = context.new_page()
+        page.set_default_timeout(PATIENCE)
         page.goto(server.address)
         page.wait_for_selector(".banner:has-text('being compiled')")
         context.close()

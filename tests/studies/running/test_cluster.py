@@ -38,10 +38,18 @@ def test_no_scheduler_is_said_so(tmp_path, monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def address():
-    """Of a scheduler with two workers."""
-    with cluster_of(2) as cluster:
-        yield cluster.scheduler_address
+def cluster():
+    """Two workers; one that is lost is started anew."""
+    with cluster_of(2) as made:
+        yield made
+
+
+@pytest.fixture
+def address(cluster):
+    """Of its scheduler, once it has both workers."""
+    with distributed.Client(cluster, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=60)
+    return cluster.scheduler_address
 
 
 def cluster_of(count):
@@ -64,11 +72,10 @@ def kill_one(cluster):
     return report, killed
 
 
-def test_a_cluster_gives_the_same_bits_even_if_a_worker_is_killed(tmp_path):
+def test_a_cluster_gives_the_same_bits_even_if_a_worker_is_killed(tmp_path, cluster, address):
     whole = contents(run(tmp_path / "here"))
-    with cluster_of(2) as cluster:
-        report, killed = kill_one(cluster)
-        run(tmp_path / "there", cluster=cluster.scheduler_address, report=report)
+    report, killed = kill_one(cluster)
+    run(tmp_path / "there", cluster=address, report=report)
     assert killed.is_set()
     assert contents(tmp_path / "there") == whole
 
@@ -83,11 +90,10 @@ def test_every_kind_keeps_the_same_bytes_on_a_cluster(tmp_path, study, address, 
     assert made(there) == made(here)
 
 
-def test_a_search_outlives_a_worker(tmp_path):
+def test_a_search_outlives_a_worker(tmp_path, cluster, address):
     whole = made(run_study(OPTIMISE, tmp_path / "here"))
-    with cluster_of(2) as cluster:
-        report, killed = kill_one(cluster)
-        run_study(OPTIMISE, tmp_path / "there", cluster=cluster.scheduler_address, report=report)
+    report, killed = kill_one(cluster)
+    run_study(OPTIMISE, tmp_path / "there", cluster=address, report=report)
     assert killed.is_set()
     assert made(tmp_path / "there") == whole
 
