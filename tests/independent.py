@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
@@ -203,7 +203,8 @@ class Run:
         out = np.empty(times.shape)
         for i in np.unique(where):
             mine = where == i
-            out[mine] = self._values(channel, times[mine], self.pieces[i])
+            piece = self.pieces[i]
+            out[mine] = self._values(channel, times[mine], piece.states(times[mine]), piece.regime)
         return out
 
     def maximum(self, channel: str) -> tuple[float, float]:
@@ -221,7 +222,7 @@ class Run:
 
     def _largest(self, channel: str, sign: float) -> tuple[float, float]:
         if channel not in self._sampled:
-            self._sampled[channel] = np.array([self._values(channel, _inside(p.begin, p.end), p) for p in self.pieces])
+            self._sampled[channel] = np.array([self._values(channel, *place) for place in self._looked_at])
         values = sign * self._sampled[channel]
         spans = np.ptp(values, axis=1)
         best, at = -inf, 0.0
@@ -238,16 +239,23 @@ class Run:
                 at = begin + 0.5 * (end - begin) * (1.0 + float(points[tops.argmax()]))
         return best, at
 
-    def _values(self, channel: str, times: Floats, piece: Piece) -> Floats:
-        system, y, regime = self.system, piece.states(times), piece.regime
+    @cached_property
+    def _looked_at(self) -> list[tuple[Floats, Floats, Regime]]:
+        """Of each piece some times, the states then (2n, T), and what rules."""
+        spread = [(_inside(piece.begin, piece.end), piece) for piece in self.pieces]
+        return [(times, piece.states(times), piece.regime) for times, piece in spread]
+
+    def _values(self, channel: str, times: Floats, y: Floats, regime: Regime) -> Floats:
+        system = self.system
         who, _, quantity = channel.rpartition(".")
         names = [body.name for body in system.bodies]
         n = len(names)
         if who in (elements := [e.name for e in system.elements]):
             i = elements.index(who)
+            if quantity == "force":
+                return np.asarray(system.forces(times, y, regime)[i])
             d, v = system.deflections(y)
-            out: Floats = {"force": system.forces(times, y, regime), "deflection": d, "deflection_rate": v}[quantity][i]
-            return out
+            return np.asarray({"deflection": d, "deflection_rate": v}[quantity][i])
         if quantity in {"rotation", "rotation_rate"}:
             return np.asarray(y[system.turn + (0 if quantity == "rotation" else n)])
         i = names.index(who)
