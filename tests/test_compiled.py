@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -113,6 +114,21 @@ if __name__ == "__main__":
     assert [name for name in unkept("small.") if "total" in name] == []
 """
 
+BEGUN = """
+import time
+from pathlib import Path
+from ridedown.apps import first_run
+
+def build(name):
+    Path(__file__).with_name(name).touch()
+    time.sleep(600)
+
+if __name__ == "__main__":
+    first_run._processors = lambda: 2
+    first_run.build = build
+    first_run.compile_side_by_side(["first", "second"])
+"""
+
 
 def written(folder: Path) -> Path:
     (folder / "small").mkdir()
@@ -169,6 +185,21 @@ def test_compiled_side_by_side_and_not_again_when_called(small):
     assert sorted(before) == ["kernels.most_and_total", "kernels.total"]
     run(small, CALL)
     assert kept(small) == before
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_what_compiles_side_by_side_ends_with_the_process_that_began_it(small):
+    with start(small, BEGUN) as process:
+        while not all((small / name).exists() for name in ("first", "second")):
+            assert process.poll() is None
+            time.sleep(0.01)
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        process.kill()
+    assert len(children) >= 2
+    deadline = time.monotonic() + 60.0
+    while any(Path("/proc", child).exists() for child in children):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
 
 
 def test_compiled_on_call_with_what_it_calls(small):

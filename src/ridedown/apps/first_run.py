@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 
 from ridedown.compiled import build
 
@@ -20,11 +21,24 @@ def compile_side_by_side(kernels: Sequence[str]) -> None:
     if processes < 2:
         return
     try:
-        with ProcessPoolExecutor(processes, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_DFL)) as pool:
+        with ProcessPoolExecutor(processes, get_context("spawn"), _begin) as pool:
             for done in [pool.submit(build, name) for name in kernels]:
                 done.result()
     except (OSError, ImportError, BrokenProcessPool):  # no processes can be started here, or one was ended
         return
+
+
+def _begin() -> None:
+    """As each of the processes begins: an interrupt ends it, and so does the end of the process that started it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _processors() -> int:
