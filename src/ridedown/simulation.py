@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +16,8 @@ from ridedown.scenario.kinds import S
 from ridedown.solver.solve import solve_many, solve_one
 from ridedown.status import Status
 
-_CHUNK = 4096  # crashes lowered and solved at a time: what bounds the memory, and the wait for the last thread
+_SPAN = 32_768  # crashes lowered and solved at a time: this bounds the memory
+_SAMPLES = 2**23  # of all channels of a span
 
 
 def simulate(scenario: Scenario, *, throw: bool = True) -> Response:
@@ -74,30 +74,14 @@ def simulate_many(
     plan = wanted(network, outcomes, samples, times, further=total_forces(getattr(scenario, "occupants", ()), network))
     substitute(scenario, columns)  # the whole table is judged before the first crash is solved
     result = Outcomes.empty(plan, rows)
-    starts = range(0, rows, _CHUNK)
-
-    def solve(start: int) -> None:
-        _solve_chunk(scenario, columns, plan, result, slice(start, min(start + _CHUNK, rows)))
-
-    if count == 1 or len(starts) == 1:
-        for start in starts:
-            solve(start)
-    else:
-        with ThreadPoolExecutor(count) as pool:
-            list(pool.map(solve, starts))
+    sampled = len(plan.sampled) * plan.tracked.sample_time.size
+    span = min(_SPAN, max(_SAMPLES // sampled, 1)) if sampled else _SPAN
+    for start in range(0, rows, span):
+        part = slice(start, min(start + span, rows))
+        own = {path: column[part] if column.ndim else column for path, column in columns.items()}
+        network = lower(substitute(scenario, own)).widened(part.stop - part.start)
+        result.fill(part, plan, network, solve_many(network, plan.tracked, work=plan.needs_work, threads=count))
     return result
-
-
-def _solve_chunk(
-    scenario: Scenario,
-    columns: Mapping[str, NDArray[np.float64]],
-    plan: Wanted,
-    result: Outcomes,
-    rows: slice,
-) -> None:
-    chunk = {path: column[rows] if column.ndim else column for path, column in columns.items()}
-    network = lower(substitute(scenario, chunk)).widened(rows.stop - rows.start)
-    result.fill(rows, plan, network, solve_many(network, plan.tracked, work=plan.needs_work))
 
 
 def _columns(table: Mapping[str, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], int]:

@@ -10,7 +10,7 @@ import numpy as np
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import laws, restraint, series
-from ridedown.solver.layout import DEGREE, Cube, Table, at, row
+from ridedown.solver.layout import DEGREE, GD0, Cube, Table, at, guard_at, row
 
 TIMER = -1
 """What the log has for the mode before, where a timer went off; after it, the timer's number."""
@@ -18,12 +18,19 @@ TIMER = -1
 
 @kernel
 def change_modes(
-    lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, d: Floats, law: Ints,
-    piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats,
+    lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, steps: Floats, d: Floats,
+    law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats,
     mode: Ints, log: Table,
 ) -> None:  # fmt: skip
-    """The mode beyond each guard that has turned negative."""
+    """The mode beyond each guard that has turned negative; and where a crash begins, of what already touches and closes in."""
     for l in range(lanes):
+        if steps[l] == 0.0 and crash[l] >= 0:
+            for e in range(law.size):
+                if law[e] != laws.LINEAR and mode[row(e) + l] == laws.OPEN and _closes_in(e, l, d, guard):
+                    _change(
+                        e, 2 * e, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard,
+                        memory, mode, log,
+                    )  # fmt: skip
         changed = -1
         for n in range(pending_count[l]):
             g = pending[row(n) + l]
@@ -35,6 +42,16 @@ def change_modes(
                     mode, log,
                 )  # fmt: skip
         pending_count[l] = 0
+
+
+_CLEARLY = 1e-6  # m/s: a rate that is no round-off
+
+
+@inlined
+def _closes_in(e, l, d, guard):
+    """Whether element e, open, is at its slack or beyond, and deflects further: no series is needed to tell."""
+    gap = guard[guard_at(2 * e, GD0) + l] - d[at(e, 0) + l]
+    return gap <= 0.0 and d[at(e, 1) + l] > _CLEARLY
 
 
 @inlined
@@ -58,7 +75,7 @@ def _change(
 def keep_time(
     lanes: int, driven: int, timer_element: Ints, timer_action: Ints, timer_value: Table, pulse_start: Floats,
     pulse_series: Table, pulse_amplitude: Floats, pulse_length: Floats, crash: Ints, until: Floats, pause: Floats, time: Floats,
-    timer: Floats, pulse: Floats, origin: Floats, piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Cube,
+    timer: Floats, amplitude: Floats, per: Floats, origin: Floats, piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Cube,
     pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats, mode: Ints, log: Table,
 ) -> None:  # fmt: skip
     """What is due at this time: timers, and the next piece of the pulse; and the driven body's acceleration from here on."""
@@ -73,12 +90,12 @@ def keep_time(
                         coefficients, pieces, second_pair, line, guard, memory, mode, log,
                     )  # fmt: skip
             if driven >= 0:
-                _next_piece(
-                    l, time[l], pulse_start, pulse_series, pulse_amplitude[number], pulse_length[number], pulse, origin, piece
-                )
+                if piece[l] < 0:
+                    piece[l], amplitude[l], per[l] = 0, pulse_amplitude[number], 1.0 / pulse_length[number]
+                _next_piece(l, time[l], pulse_start, pulse_length[number], origin, piece)
             pause[l] = _next_pause(l, until[l], pulse_start, pulse_length[number], driven, piece, timer, timer_element.size)
     if driven >= 0:
-        series.drive(lanes, driven, pulse_series.shape[1], pulse, origin, time, acc)
+        series.drive(lanes, driven, pulse_series, amplitude, per, piece, origin, time, acc)
 
 
 @part
@@ -105,19 +122,13 @@ def _note(time, e, before, after, log):
 
 
 @part
-def _next_piece(l, time, start, shape, amplitude, length, pulse, origin, piece):
-    """Put the pulse's piece at this time into lane l, in powers of the time since the piece began."""
-    n = max(piece[l], 0)
+def _next_piece(l, time, start, length, origin, piece):
+    """Find the pulse's piece at this time for lane l, and when it began."""
+    n = piece[l]
     while n + 1 < start.size and start[n + 1] * length <= time:
         n += 1
-    if n == piece[l]:
-        return
     piece[l] = n
     origin[l] = start[n] * length
-    factor, per = amplitude, 1.0 / length
-    for j in range(shape.shape[1]):
-        pulse[row(j) + l] = factor * shape[n, j]
-        factor *= per
 
 
 @part

@@ -29,7 +29,6 @@ from ridedown.solver.layout import (
     PAYOUT,
     REEL,
     SET,
-    STRIDE,
     WHEN,
     Cube,
     Table,
@@ -42,6 +41,7 @@ from ridedown.solver.layout import (
 from ridedown.solver.vector import (
     ALL_LANES,
     WIDTH,
+    count_up,
     first_lane,
     lanes_of,
     load,
@@ -69,14 +69,17 @@ NO, YES = events.NO, events.YES
 STEP_LIMIT = 100_000
 _BAR_LIMIT = 1.4  # rad: tan has its pole at pi/2
 _IDLE_LIMIT = 60  # steps of no length before a crash is given up as chattering
-_BRAKING_TIME = 0.05  # s: a crash brakes its speed in about so long; sets the scale of acceleration
 
 
 @kernel
-def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tolerance: float, with_work: bool) -> None:
-    """Solve every crash of the columns `x`; results into `out`, and the phases of lane 0 into `record` if it has room.
+def march(
+    s: Structure, x: Numbers, w: Lanes, queue: Ints, places: int, out: Results, record: Record, tolerance: float, with_work: bool
+) -> None:  # fmt: skip
+    """Solve crashes of the columns `x`; results into `out`, and the phases of lane 0 into `record` if it has room.
 
-    `tolerance`: what the last acceleration coefficients of a step may amount to, over the crash's own scale of acceleration.
+    `queue`: the next crash to be taken, by whichever thread marches on these columns. `places`: how many crashes to carry
+    abreast. `tolerance`: what the last acceleration coefficients of a step may amount to, over the crash's own scale of
+    acceleration.
     """
     # plain arrays from here on; a named tuple that is read further down is copied whole each time it is read
     parent, law, lever, bars, bar_of, arm = s.parent, s.law, s.lever, s.bar_coordinate, s.bar_of, w.arm
@@ -87,7 +90,7 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
     timer_element, timer_action, timer_value = s.timer_element, s.timer_action, x.timer_value
     driven, pulse_start, pulse_series, pulse_length = s.driven, s.pulse_start, s.pulse_series, x.pulse_length
     crash, until, time, step, power, bend, rests = w.crash, w.until, w.time, w.step, w.power, w.bend, w.rests
-    pause, timer, pulse, origin, piece = w.pause, w.timer, w.pulse, w.origin, w.piece
+    pause, timer, amplitude, per, origin, piece = w.pause, w.timer, w.amplitude, w.per, w.origin, w.piece
     last, steps, idle = w.last, w.steps, w.idle
     q, acc, d, f = w.q, w.acc, w.d, w.f
     tan, sec2, turn, moment = w.tan, w.sec2, w.turn, w.moment
@@ -103,35 +106,31 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
 
     timed = driven >= 0 or timer_element.size > 0
     restrained, recorded = pair_element.size > law.size, phases.shape[0] > 0
-    places = min(STRIDE, duration.size)
     lanes = (places + WIDTH - 1) // WIDTH * WIDTH  # in whole vectors
-    taken = 0
-    active = 0
+    active, more = 0, True
     for l in range(lanes):
         crash[l] = NO_CRASH
         event[l] = events.NO_EVENT
 
     while True:
-        if active < places and taken < duration.size:
-            before = taken
-            taken = _take(
-                taken, places, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps,
+        if active < places and more:
+            active, more = _take(
+                queue, active, places, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps,
                 idle, q, inverse_inertia, scale, arm, timer, piece, sampled, law, piece_start, coefficients, pieces,
                 second_pair, free, empty, line, guard, memory, mode, work, tracked_sense.size, extreme,
             )  # fmt: skip
-            active += taken - before
         if active == 0:
             break
         series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, turn, d)
         changes.change_modes(
-            lanes, pair_element, pending, pending_count, crash, time, d, law, piece_start, coefficients, pieces, second_pair,
+            lanes, pair_element, pending, pending_count, crash, time, steps, d, law, piece_start, coefficients, pieces, second_pair,
             line, guard, memory, mode, log,
         )  # fmt: skip
         if timed:
             changes.keep_time(
                 lanes, driven, timer_element, timer_action, timer_value, pulse_start, pulse_series, pulse_amplitude,
-                pulse_length, crash, until, pause, time, timer, pulse, origin, piece, d, acc, piece_start, coefficients, pieces,
-                second_pair, line, guard, memory, mode, log,
+                pulse_length, crash, until, pause, time, timer, amplitude, per, origin, piece, d, acc, piece_start, coefficients,
+                pieces, second_pair, line, guard, memory, mode, log,
             )  # fmt: skip
 
         if restrained and not recorded:
@@ -186,25 +185,28 @@ def march(s: Structure, x: Numbers, w: Lanes, out: Results, record: Record, tole
 
 @kernel
 def _take(
-    taken: int, places: int, inertia: Table, rate: Table, arms: Table, duration: Floats, timer_time: Table, timed: bool,
+    queue: Ints, active: int, places: int, inertia: Table, rate: Table, arms: Table, duration: Floats, timer_time: Table, timed: bool,
     crash: Ints, until: Floats, pause: Floats, time: Floats, last: Floats, steps: Floats, idle: Floats, q: Floats,
     inverse_inertia: Floats, scale: Floats, arm: Floats, timer: Floats, piece: Ints, sampled: Ints, law: Ints,
     piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, free: Ints, empty: Ints, line: Floats,
     guard: Floats, memory: Floats, mode: Ints, work: Floats, tracked: int, extreme: Floats,
-) -> int:  # fmt: skip
-    """Put the next crashes into the lanes that have none. How many crashes have been taken by now."""
+) -> tuple[int, bool]:  # fmt: skip
+    """Put the next crashes into the lanes that have none. How many have one now, and whether there may be more to take."""
     for l in range(places):
-        if crash[l] == NO_CRASH and taken < duration.size:
+        if crash[l] == NO_CRASH:
+            number = count_up(queue)
+            if number >= duration.size:
+                return active, False
             _load(
-                l, taken, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
+                l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
                 inverse_inertia, scale, arm, timer, piece, sampled,
             )  # fmt: skip
             _open(
-                l, taken, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work,
+                l, number, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work,
                 tracked, extreme,
             )  # fmt: skip
-            taken += 1
-    return taken
+            active += 1
+    return active, True
 
 
 @part
@@ -230,7 +232,7 @@ def _load(
         q[at(i, 1) + l] = rate[i, number]
         inverse_inertia[row(i) + l] = 1.0 / inertia[i, number]
         fastest = max(fastest, abs(rate[i, number]))
-    scale[l] = fastest / _BRAKING_TIME
+    scale[l] = fastest / stepping.BRAKING_TIME
     for e in range(arms.shape[0]):
         arm[row(e) + l] = arms[e, number]
 

@@ -16,7 +16,7 @@ from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver.laws import ELASTIC, PLASTIC, RESTRAINT
 from ridedown.solver.layout import D0, DEGREE, F0, FILL, FILLING, PULL, STRIDE, V0, C, K, at, line_at, row
-from ridedown.solver.vector import ALL_LANES, WIDTH, lanes_of, load, spread, store
+from ridedown.solver.vector import ALL_LANES, WIDTH, lanes_of, load, pick, spread, store
 
 _TANGENT = np.array(
     [1, 1 / 3, 2 / 15, 17 / 315, 62 / 2835, 1382 / 155925, 21844 / 6081075, 929569 / 638512875, 6404582 / 10854718875]
@@ -145,12 +145,15 @@ def _tangents(lanes, j, bar_coordinate, q, tan, sec2, turn):
 
 
 @part
-def drive(lanes, driven, orders, pulse, origin, time, acc):
+def drive(lanes, driven, shape, amplitude, per, piece, origin, time, acc):
     """The series of the driven body's acceleration at each lane's time: its piece of the pulse, shifted to there."""
+    orders = shape.shape[1]
     for l in range(0, lanes, WIDTH):
         since = load(time, l) - load(origin, l)
+        factor, longer = load(amplitude, l), load(per, l)
         for j in range(orders):
-            store(acc, at(driven, j) + l, load(pulse, row(j) + l))
+            store(acc, at(driven, j) + l, factor * pick(shape, piece, l, j))
+            factor *= longer
         if lanes_of(since > 0.0) == 0:  # at the start of a piece, where most steps are
             continue
         for n in range(orders - 1):  # divided by (x - since) again and again: Horner's scheme, the remainders staying

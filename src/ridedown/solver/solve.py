@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -12,6 +13,7 @@ from ridedown.network.model import Floats, Ints
 from ridedown.solver import workspace
 from ridedown.solver.apart import Apart, Part, apart, network_of, tracked_of
 from ridedown.solver.extremes import SAMPLED
+from ridedown.solver.layout import STRIDE
 from ridedown.solver.march import Stop, march
 from ridedown.solver.phases import Phases, phases_of
 
@@ -19,6 +21,7 @@ TOLERANCE = 4e-9
 """What the last acceleration terms of a step may come to, over the crash's own scale. The truncation left is far smaller."""
 
 _WORTH_IT = 32  # crashes, from which on to solve vehicles apart from their occupants
+_WORTH_A_THREAD = 4 * STRIDE  # crashes for each
 _NO_WORK = False
 _CAPACITY = 256  # phases kept at first; eight times as many where that is too few
 _NOTHING = workspace.Tracked(
@@ -68,33 +71,43 @@ def tracked(
     )
 
 
-def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, work: bool = False) -> Solved:
-    """Solve every crash of the network's columns, in lanes, on the calling thread (the interpreter is released).
+def solve_many(
+    network: Network, quantities: workspace.Tracked = _NOTHING, *, work: bool = False, threads: int = 1
+) -> Solved:
+    """Solve every crash of the network's columns, in lanes, on up to so many threads (the interpreter is released).
 
     Vehicles that move the same in every row, whatever their occupants do, are solved once (see `apart`). `work`: also integrate
     the work done on each element.
     """
     parts = apart(network, quantities) if network.size >= _WORTH_IT else None
-    solved = None if parts is None else _solve_apart(network, parts, quantities, work=work)
-    return solved or _solve_whole(network, quantities, work=work)
+    solved = None if parts is None else _solve_apart(network, parts, quantities, work=work, threads=threads)
+    return solved or _solve_whole(network, quantities, work=work, threads=threads)
 
 
-def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool) -> Solved:
-    results = workspace.results_for(network, quantities)
-    march(
-        workspace.structure_of(network, quantities),
-        workspace.numbers_of(network),
-        workspace.lanes_for(network, quantities.sense.size),
-        results,
-        workspace.record_for(network, 0),
-        TOLERANCE,
-        work,
-    )
+def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool, threads: int) -> Solved:
+    """Every thread carries crashes of its own, and takes the next from the same columns: none waits while there are any."""
+    structure, numbers = workspace.structure_of(network, quantities), workspace.numbers_of(network)
+    results, record = workspace.results_for(network, quantities), workspace.record_for(network, 0)
+    queue = np.zeros(1, dtype=np.int64)
+    places = min(STRIDE, network.size)
+
+    def run(_thread: int = 0) -> None:
+        lanes = workspace.lanes_for(network, quantities.sense.size)
+        march(structure, numbers, lanes, queue, places, results, record, TOLERANCE, work)
+
+    count = min(threads, network.size // _WORTH_A_THREAD)
+    if count > 1:
+        with ThreadPoolExecutor(count) as pool:
+            list(pool.map(run, range(count)))
+    else:
+        run()
     results.best[quantities.sense < 0] *= -1.0
     return Solved(*results)
 
 
-def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, *, work: bool) -> Solved | None:
+def _solve_apart(
+    network: Network, parts: Apart, quantities: workspace.Tracked, *, work: bool, threads: int
+) -> Solved | None:
     """The vehicles once, then the occupants of each; None where the vehicles cannot be solved to the end."""
     alone = network_of(network, parts.vehicles)
     phases, stop = solve_one(alone)
@@ -107,13 +120,13 @@ def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, 
         *((part, network_of(network, part, phases)) for part in parts.occupants),
         (parts.vehicles, alone),
     ):
-        own = _solve_whole(own_network, tracked_of(network, quantities, part), work=work)
+        own = _solve_whole(own_network, tracked_of(network, quantities, part), work=work, threads=threads)
         _put(solved, part, own, quantities.sense)
         np.copyto(solved.stop, own.stop, where=own.stop != Stop.COMPLETED)
         solved.steps[:] += own.steps
     unfinished = np.flatnonzero(solved.stop != Stop.COMPLETED)
     if unfinished.size:  # these are wanted as far as they came, vehicles and all
-        whole = _solve_whole(network.rows(unfinished), quantities, work=work)
+        whole = _solve_whole(network.rows(unfinished), quantities, work=work, threads=threads)
         for field in fields(Solved):
             getattr(solved, field.name)[..., unfinished] = getattr(whole, field.name)
     return solved
@@ -138,7 +151,7 @@ def solve_one(network: Network) -> tuple[Phases, Stop]:
     capacity = _CAPACITY
     while True:
         record = workspace.record_for(network, capacity)
-        march(structure, numbers, lanes, results, record, TOLERANCE, _NO_WORK)
+        march(structure, numbers, lanes, np.zeros(1, dtype=np.int64), 1, results, record, TOLERANCE, _NO_WORK)
         if results.stop[0] != Stop.RECORD_FULL:
             break
         capacity *= 8

@@ -28,6 +28,8 @@ NO, YES = events.NO, events.YES
 _GAUSS = np.polynomial.legendre.leggauss(DEGREE + 1)  # exact to twice the degree
 _NODES, _WEIGHTS = 0.5 * (1.0 + _GAUSS[0]), 0.5 * _GAUSS[1]
 _TINY = 1e-300  # a coefficient below it sets no step
+BRAKING_TIME = 0.05  # s: a crash brakes its speed in about so long; sets the scale of acceleration
+_BRAKING = np.log2(BRAKING_TIME)
 
 
 @part
@@ -37,6 +39,8 @@ def choose_steps(lanes, coordinates, bars, tolerance, until, pause, time, scale,
     If they fall off as scale / r^n, the step is the same fraction of r whichever of them is looked at. Four are: in a motion
     from rest, or one that is even in time, every second or three in four are zero. The tangents are looked at too: under
     constant forces they alone go on for ever.
+
+    What is left out of an acceleration counts as long as the step is: of one longer than a crash takes to brake, less may be.
     """
     share = np.log2(tolerance) / (DEGREE - 2)
     for block in range(0, lanes, WIDTH):
@@ -52,7 +56,9 @@ def choose_steps(lanes, coordinates, bars, tolerance, until, pause, time, scale,
             finite &= coefficient < np.inf
             steepest = max(steepest, _logarithm(max(coefficient, _TINY)) * (1.0 / (j - 2)))
         store(scale, block, where(finite, load(scale, block), np.nan))  # a lane that is not finite stops where it is
-        h, tried = _power_of_two(share - steepest), load(trial, block)
+        exponent = share - steepest
+        exponent -= max(exponent - _BRAKING, 0.0) * (1.0 / (DEGREE - 1))
+        h, tried = _power_of_two(exponent), load(trial, block)
         # while modes settle, the step they are read on never grows: so what is round-off in one mode is in the next
         h = where((load(idle, block) > 0.0) & (h > tried), tried, h)
         store(trial, block, h)

@@ -5,7 +5,7 @@ and says nothing. Here a vector is a value: `load` takes eight numbers, arithmet
 `where` chooses lane by lane, `store` puts them back. Sums stay in registers over any number of terms. LLVM makes of it
 whatever the processor has (two registers of four numbers, or one of eight).
 
-Compiled code only; in arithmetic, plain numbers stand for eight equal ones.
+Compiled code only; in arithmetic, plain numbers stand for eight equal ones. `count_up` is here, too: how threads share crashes.
 """
 
 from __future__ import annotations
@@ -28,6 +28,11 @@ def load(array: Any, index: Any) -> Any:
 
 def store(array: Any, index: Any, value: Any) -> Any:
     """Put eight numbers into a flat array, from `index` on."""
+    raise NotImplementedError
+
+
+def pick(table: Any, rows: Any, index: Any, column: Any) -> Any:
+    """Eight numbers of a table of two dimensions, in a column: from the rows named by eight whole numbers, from `index` on."""
     raise NotImplementedError
 
 
@@ -63,4 +68,9 @@ def power_of_two(exponent: Any) -> Any:
 
 def floor(value: Any) -> Any:
     """The whole number below each."""
+    raise NotImplementedError
+
+
+def count_up(counter: Any) -> Any:
+    """The whole number in `counter[0]`, which goes up by one: no other thread is given the same."""
     raise NotImplementedError

@@ -174,6 +174,22 @@ def _store(typingctx, array, index, value):  # noqa: ARG001
     return types.void(array, index, value), codegen
 
 
+@_instructions_of(vector.pick)
+def _pick(typingctx, table, rows, index, column):  # noqa: ARG001
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        table, rows = (context.make_array(kind)(context, builder, array) for kind, array in zip(sig.args[:2], args[:2], strict=True))
+        _height, width = cgutils.unpack_tuple(builder, table.shape)
+        first, picked = builder.gep(table.data, [args[3]]), ir.Constant(_DOUBLES, ir.Undefined)
+        for n in range(WIDTH):
+            lane = ir.Constant(ir.IntType(64), n)
+            number = builder.load(builder.gep(rows.data, [builder.add(args[2], lane)]))
+            value = builder.load(builder.gep(first, [builder.mul(number, width)]))
+            picked = builder.insert_element(picked, value, ir.Constant(ir.IntType(32), n))
+        return picked
+
+    return _vector(table, rows, index, column), codegen
+
+
 @_instructions_of(vector.spread)
 def _spread(typingctx, number):  # noqa: ARG001
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -236,6 +252,15 @@ def _floor(typingctx, value):  # noqa: ARG001
         return _call(builder, "llvm.floor.v8f64", args[0])
 
     return _vector(value), codegen
+
+
+@_instructions_of(vector.count_up)
+def _count_up(typingctx, counter):  # noqa: ARG001
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        return builder.atomic_rmw("add", data, ir.Constant(ir.IntType(64), 1), "monotonic")
+
+    return types.int64(counter), codegen
 
 
 def _whole(number: int) -> Any:

@@ -80,9 +80,10 @@ class Lanes(NamedTuple):
     until: Floats  # its duration; 0 where there is none
     pause: Floats  # the next time to stop at: a timer, the pulse's next piece, or the end
     timer: Floats  # rows by timer: when it goes off, infinite once it has
-    pulse: Floats  # rows by order: the piece of the pulse at hand, in powers of the time since
-    origin: Floats  # the time at which it starts
-    piece: Ints  # and its number
+    amplitude: Floats  # what the pulse's shape is multiplied by
+    per: Floats  # one over the pulse's length
+    origin: Floats  # the time at which its piece at hand starts
+    piece: Ints  # and the number of that
     time: Floats
     step: Floats
     last: Floats  # whether this step goes on to the pause, 1 or 0
@@ -181,7 +182,8 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         until=floats(1),
         pause=floats(1),
         timer=floats(network.timer_element.size),
-        pulse=floats(network.pulse_series.shape[1]),
+        amplitude=floats(1),
+        per=floats(1),
         origin=floats(1),
         piece=whole(1),
         time=floats(1),
