@@ -232,7 +232,7 @@ def _unclear(a, b, start, slope, dip, power, soonest, more):
     return lanes_of(stays | leaves) ^ ALL_LANES
 
 
-@part
+@inlined
 def _examine(
     g, e, block, bits, soonest, guard, d, crash, power, event, pending, pending_count, falling, owner, count, shape, poly, room
 ):  # fmt: skip
@@ -309,7 +309,7 @@ def _read(e, g, block, a, b, ga, guard, d, power, shape):
     store(shape, row(_FASTEST), fastest)
 
 
-@part
+@inlined
 def _examine_one(g, l, positive, round_off, p, pending, pending_count, column, falling, power):
     """Read a guard that does not simply fall from a positive start; where it starts at zero, p is divided by t as often."""
     first = 0 if positive else 1
@@ -322,7 +322,7 @@ def _examine_one(g, l, positive, round_off, p, pending, pending_count, column, f
     return _examine_shape(p, first, l, column, falling, power)
 
 
-@part
+@inlined
 def _examine_shape(p, first, l, column, falling, power):
     """Whether a guard that is not simply falling from a positive start has one root, none, or must be searched.
 
