@@ -143,7 +143,7 @@ def _suspects_of_curve(block, e, guard, d, power):
     return first | (_unclear(u, none, start2, u * slope, min(u * down, u * up), power, _SOONEST + STRIDE + block, 0.0) << WIDTH)
 
 
-@part
+@inlined
 def _keeps_its_mode(block, e, pair, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend, guard, d, power):
     """Whether no guard of a restraint can turn negative in any lane of a block, by how far its coordinates can stray."""
     away, faster = spread(0.0), spread(0.0)

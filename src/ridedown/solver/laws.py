@@ -25,7 +25,7 @@ in rows as `layout` says; `mode` in rows, one an element. Guards 2e and 2e + 1 a
 
 from __future__ import annotations
 
-from ridedown.compiled import inlined, part
+from ridedown.compiled import inlined
 from ridedown.network import Law
 from ridedown.solver.layout import D0, F0, GD0, GV0, LATCH, PIECE, SET, V0, A, B, C, K, guard_at, line_at, memory_at, row
 
@@ -43,7 +43,7 @@ _NEVER = -1e300
 """Reference of a guard that is never negative."""
 
 
-@part
+@inlined
 def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guard, memory, mode):
     """Put element e of lane l, which carries this crash, into mode `after`: its line of force and its guards."""
     k, c, d0, v0, f0 = 0.0, 0.0, 0.0, 0.0, 0.0
