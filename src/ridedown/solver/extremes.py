@@ -149,20 +149,29 @@ def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, o
         turns = moved & (slowest < 0.0) & (fastest > 0.0)
         above = lanes_of(turns & (highest > now)) if sense >= 0 else 0
         below = lanes_of(turns & (-lowest > now)) if sense <= 0 else 0
+        if above | below == 0:
+            continue
+        most, least = _bends(o, block, source, power)
+        down, up, last = lanes_of(most < 0.0), lanes_of(least > 0.0), c + slope
+        above &= ~up & (~down | lanes_of((c > 0.0) & (last < 0.0)))
+        below &= ~down & (~up | lanes_of((c < 0.0) & (last > 0.0)))
         search = above | (below << WIDTH)
         while search != 0:
             bit = first_lane(search)
             search &= search - 1
-            l, sign = block + bit % WIDTH, 1.0 if bit < WIDTH else -1.0
-            if count == STRIDE:
-                _raise_all(count, source, base, time, step, best, when, extreme, falling, owner)
-                count = 0
-            kind = _examine(l, sign, source, base, power, falling, count, poly)
-            if kind == _TURNS:
+            n, sign = bit % WIDTH, 1.0 if bit < WIDTH else -1.0
+            l = block + n
+            if ((down if bit < WIDTH else up) >> n) & 1 != 0:
+                if count == STRIDE:
+                    _raise_all(count, source, base, time, step, best, when, extreme, falling, owner)
+                    count = 0
+                _take_slope(l, sign, source, base, power, falling, count)
                 owner[2 * count] = l
                 owner[2 * count + 1] = 1 if sign > 0.0 else -1
                 count += 1
-            elif kind == _SEARCH:
+            else:
+                for j in range(DEGREE + 1):
+                    poly[j] = sign * source[base + row(j) + l] * power[row(j) + l]
                 peak, at_fraction = polynomial.maximum(poly, extreme[best + l], room)
                 if at_fraction >= 0.0:
                     extreme[best + l] = peak
@@ -170,38 +179,31 @@ def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, o
     _raise_all(count, source, base, time, step, best, when, extreme, falling, owner)
 
 
-_CLEAR, _TURNS, _SEARCH = range(3)
+@inlined
+def _bends(o, block, source, power):
+    """How far up, at most, and at least, a series bends anywhere in the step: bounds of its second derivative, scaled."""
+    bend = 2.0 * load(source, o + row(2)) * load(power, row(2) + block)
+    most, least = bend, bend
+    for j in range(3, DEGREE + 1):
+        bend = j * (j - 1.0) * load(source, o + row(j)) * load(power, row(j) + block)
+        most += max(bend, 0.0)
+        least += min(bend, 0.0)
+    return most, least
 
 
 @inlined
-def _examine(l, sign, source, base, power, falling, column, p):
-    """Where a series, times `sign` and scaled to [0, 1], may have a top inside the step of lane l.
-
-    Answers _CLEAR (nowhere), _TURNS (it rises, then falls: its slope goes into that column of `falling`) or _SEARCH (it goes
-    into p).
-    """
+def _take_slope(l, sign, source, base, power, falling, column):
+    """Put the slope of a series, times `sign` and scaled to [0, 1], which falls from plus to minus, into a column."""
     o, to = base + l, row(0) + column
-    p[0] = sign * source[o]
     start = sign * source[o + STRIDE] * power[row(1) + l]
-    p[1] = start
+    end = start
     falling[to] = start
-    falling[to + DEGREE * STRIDE] = 0.0
-    end, most, least = start, 0.0, 0.0  # of its slope; and how it bends
     for j in range(2, DEGREE + 1):
-        c = sign * source[o + j * STRIDE] * power[row(j) + l]
-        p[j] = c
-        slope = _ORDER[j] * c
+        slope = _ORDER[j] * sign * source[o + j * STRIDE] * power[row(j) + l]
         falling[to + (j - 1) * STRIDE] = slope
         end += slope
-        bend = _ORDER[j - 1] * slope
-        most += max(bend, 0.0) if j > 2 else bend
-        least += min(bend, 0.0) if j > 2 else bend
-    if least > 0.0:
-        return _CLEAR  # it is highest at an end
-    if most < 0.0:
-        falling[row(together.ROOT) + column] = start / (start - end)
-        return _TURNS if start > 0.0 and end < 0.0 else _CLEAR
-    return _SEARCH
+    falling[to + DEGREE * STRIDE] = 0.0
+    falling[row(together.ROOT) + column] = start / (start - end)
 
 
 @part
