@@ -72,16 +72,20 @@ def simulate_many(
     count = workers(threads)
     network = lower(scenario)
     plan = wanted(network, outcomes, samples, times, further=total_forces(getattr(scenario, "occupants", ()), network))
-    substitute(scenario, columns)  # the whole table is judged before the first crash is solved
+    judged = substitute(scenario, columns)  # the whole table, before the first crash is solved
     result = Outcomes.empty(plan, rows)
     sampled = len(plan.sampled) * plan.tracked.sample_time.size
     span = min(_SPAN, max(_SAMPLES // sampled, 1)) if sampled else _SPAN
     for start in range(0, rows, span):
         part = slice(start, min(start + span, rows))
-        own = {path: column[part] if column.ndim else column for path, column in columns.items()}
-        network = lower(substitute(scenario, own)).widened(part.stop - part.start)
+        own = judged if span >= rows else substitute(scenario, {path: _part(column, part) for path, column in columns.items()})
+        network = lower(own).widened(part.stop - part.start)
         result.fill(part, plan, network, solve_many(network, plan.tracked, work=plan.needs_work, threads=count))
     return result
+
+
+def _part(column: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
+    return column[rows] if column.ndim else column
 
 
 def _columns(table: Mapping[str, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], int]:

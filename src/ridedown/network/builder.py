@@ -140,9 +140,9 @@ class Builder:
             knot=_columns([x for c in curves if c for x in c.knots], size),
             force=_columns([x for c in curves if c for x in c.forces], size),
             slope=_columns([x for c in curves if c for x in c.slopes], size),
-            limit=np.stack([_columns([law.limits[n] for law in restraints], size) for n in range(2)]),
-            payout=np.stack([_columns([law.payouts[n] for law in restraints], size) for n in range(2)]),
-            stall=np.stack([_columns([law.stalls[n] for law in restraints], size) for n in range(2)]),
+            limit=_pairs([law.limits for law in restraints], size),
+            payout=_pairs([law.payouts for law in restraints], size),
+            stall=_pairs([law.stalls for law in restraints], size),
             timer_time=_columns([timer.time for _, timer in timers], size),
             timer_value=_columns([timer.value for _, timer in timers], size),
             pulse_amplitude=_columns([pulse.amplitude], size)[0],
@@ -194,6 +194,13 @@ def _columns(values: list[Number], size: int) -> Floats:
     for row, value in zip(columns, values, strict=True):
         row[:] = value
     return columns
+
+
+def _pairs(values: list[tuple[Number, Number]], size: int) -> Floats:
+    """Shape (2, e, R); where there are none, infinities that take no room."""
+    if all(isinstance(value, float) and value == np.inf for pair in values for value in pair):
+        return np.broadcast_to(np.inf, (2, len(values), size))
+    return np.stack([_columns([pair[n] for pair in values], size) for n in range(2)])
 
 
 def _csr(rows: list[dict[int, float]]) -> tuple[np.ndarray, np.ndarray, Floats]:

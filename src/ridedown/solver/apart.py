@@ -119,11 +119,15 @@ def _group_of(tracked: Tracked, k: int, heavy: NDArray[np.bool_], carrier: Ints,
 
 
 def _same_in_all_rows(network: Network, part: Part) -> bool:
+    """Whether the columns of a part hold one number each; where they do not, the first two rows tell most often."""
     pieces = _pieces(network, part.elements)
-    columns = [network.inertia[part.coordinates], network.rate[part.coordinates], network.duration]
-    columns += [getattr(network, name)[..., part.elements, :] for name in _OF_ELEMENTS]
-    columns += [getattr(network, name)[pieces] for name in _OF_PIECES]
-    return all(bool((column == column[..., :1]).all()) for column in columns)
+    for rows in (2, network.size):
+        columns = [network.inertia[part.coordinates, :rows], network.rate[part.coordinates, :rows], network.duration[:rows]]
+        columns += [getattr(network, name)[..., part.elements, :rows] for name in _OF_ELEMENTS]
+        columns += [getattr(network, name)[pieces, :rows] for name in _OF_PIECES]
+        if not all(bool((column == column[..., :1]).all()) for column in columns):
+            return False
+    return True
 
 
 def _pieces(network: Network, elements: Ints) -> Ints:
