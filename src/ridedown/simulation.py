@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ridedown.errors import InvalidInput, SimulationStopped
-from ridedown.outcomes import Outcomes, Wanted, wanted
+from ridedown.outcomes import Outcomes, wanted
 from ridedown.response import Response
 from ridedown.scenario import Scenario, lower, substitute, total_forces
 from ridedown.scenario.kinds import S

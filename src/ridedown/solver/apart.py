@@ -141,15 +141,14 @@ def network_of(network: Network, part: Part, phases: Phases | None = None) -> Ne
     pieces = _pieces(network, part.elements)
     timers = np.flatnonzero(np.isin(network.timer_element, part.elements))
     terms, reactions = (_rows(start, part.elements) for start in (network.term_start, network.reaction_start))
-    numbers = {name: getattr(network, name)[..., part.elements, :] for name in _OF_ELEMENTS}
-    numbers |= {name: getattr(network, name)[pieces] for name in _OF_PIECES}
-    numbers |= {name: getattr(network, name)[part.coordinates] for name in ("inertia", "rate")}
-    numbers |= {name: getattr(network, name)[timers] for name in ("timer_time", "timer_value")}
-    numbers |= {name: getattr(network, name) for name in ("pulse_amplitude", "pulse_length", "duration")}
+    rows = slice(None) if phases else slice(1)
+    numbers = {name: getattr(network, name)[..., part.elements, rows] for name in _OF_ELEMENTS}
+    numbers |= {name: getattr(network, name)[pieces, rows] for name in _OF_PIECES}
+    numbers |= {name: getattr(network, name)[part.coordinates, rows] for name in ("inertia", "rate")}
+    numbers |= {name: getattr(network, name)[timers, rows] for name in ("timer_time", "timer_value")}
+    numbers |= {name: getattr(network, name)[rows] for name in ("pulse_amplitude", "pulse_length", "duration")}
     assert set(numbers) == set(NUMBERS)
-    arrays: dict[str, Any] = {
-        name: np.ascontiguousarray(column if phases else column[..., :1]) for name, column in numbers.items()
-    }
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(column) for name, column in numbers.items()}
     smaller = replace(
         network,
         coordinates=tuple(network.coordinates[i] for i in part.coordinates),

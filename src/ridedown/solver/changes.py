@@ -19,8 +19,8 @@ TIMER = -1
 @kernel
 def change_modes(
     lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, steps: Floats, d: Floats,
-    law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats,
-    mode: Ints, log: Table,
+    law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats,
+    memory: Floats, mode: Ints, log: Table,
 ) -> None:  # fmt: skip
     """The mode beyond each guard that has turned negative; and where a crash begins, of what already touches and closes in."""
     for l in range(lanes):
@@ -75,25 +75,31 @@ def _change(
 def keep_time(
     lanes: int, driven: int, timer_element: Ints, timer_action: Ints, timer_value: Table, pulse_start: Floats,
     pulse_series: Table, pulse_amplitude: Floats, pulse_length: Floats, crash: Ints, until: Floats, pause: Floats, time: Floats,
-    timer: Floats, amplitude: Floats, per: Floats, origin: Floats, piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Cube,
-    pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats, mode: Ints, log: Table,
+    timer: Floats, alarm: Floats, amplitude: Floats, per: Floats, origin: Floats, piece: Ints, d: Floats, acc: Floats,
+    piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats,
+    mode: Ints, log: Table,
 ) -> None:  # fmt: skip
     """What is due at this time: timers, and the next piece of the pulse; and the driven body's acceleration from here on."""
     for l in range(lanes):
         if crash[l] >= 0 and time[l] >= pause[l]:
             number = crash[l]
-            for t in range(timer_element.size):
-                if timer[row(t) + l] <= time[l]:
-                    timer[row(t) + l] = np.inf
-                    _fire(
-                        t, l, number, time[l], timer_element[t], timer_action[t], timer_value[t, number], d, piece_start,
-                        coefficients, pieces, second_pair, line, guard, memory, mode, log,
-                    )  # fmt: skip
+            if alarm[l] <= time[l]:
+                alarm[l] = np.inf
+                for t in range(timer_element.size):
+                    if timer[row(t) + l] <= time[l]:
+                        timer[row(t) + l] = np.inf
+                        _fire(
+                            t, l, number, time[l], timer_element[t], timer_action[t], timer_value[t, number], d, piece_start,
+                            coefficients, pieces, second_pair, line, guard, memory, mode, log,
+                        )  # fmt: skip
+                    alarm[l] = min(alarm[l], timer[row(t) + l])
+            pause[l] = min(until[l], alarm[l])
             if driven >= 0:
                 if piece[l] < 0:
                     piece[l], amplitude[l], per[l] = 0, pulse_amplitude[number], 1.0 / pulse_length[number]
                 _next_piece(l, time[l], pulse_start, pulse_length[number], origin, piece)
-            pause[l] = _next_pause(l, until[l], pulse_start, pulse_length[number], driven, piece, timer, timer_element.size)
+                if piece[l] + 1 < pulse_start.size:
+                    pause[l] = min(pause[l], pulse_start[piece[l] + 1] * pulse_length[number])
     if driven >= 0:
         series.drive(lanes, driven, pulse_series, amplitude, per, piece, origin, time, acc)
 
@@ -129,17 +135,6 @@ def _next_piece(l, time, start, length, origin, piece):
         n += 1
     piece[l] = n
     origin[l] = start[n] * length
-
-
-@part
-def _next_pause(l, until, start, length, driven, piece, timer, timers):
-    """The next time at which lane l has to stop."""
-    due = until
-    if driven >= 0 and piece[l] + 1 < start.size:
-        due = min(due, start[piece[l] + 1] * length)
-    for t in range(timers):
-        due = min(due, timer[row(t) + l])
-    return due
 
 
 @part

@@ -73,7 +73,8 @@ _IDLE_LIMIT = 60  # steps of no length before a crash is given up as chattering
 
 @kernel
 def march(
-    s: Structure, x: Numbers, w: Lanes, queue: Ints, places: int, out: Results, record: Record, tolerance: float, with_work: bool
+    s: Structure, x: Numbers, w: Lanes, queue: Ints, places: int, out: Results, record: Record, tolerance: float,
+    with_work: bool,
 ) -> None:  # fmt: skip
     """Solve crashes of the columns `x`; results into `out`, and the phases of lane 0 into `record` if it has room.
 
@@ -90,7 +91,8 @@ def march(
     timer_element, timer_action, timer_value = s.timer_element, s.timer_action, x.timer_value
     driven, pulse_start, pulse_series, pulse_length = s.driven, s.pulse_start, s.pulse_series, x.pulse_length
     crash, until, time, step, power, bend, rests = w.crash, w.until, w.time, w.step, w.power, w.bend, w.rests
-    pause, timer, amplitude, per, origin, piece = w.pause, w.timer, w.amplitude, w.per, w.origin, w.piece
+    pause, timer, alarm = w.pause, w.timer, w.alarm
+    amplitude, per, origin, piece = w.amplitude, w.per, w.origin, w.piece
     last, steps, idle = w.last, w.steps, w.idle
     q, acc, d, f = w.q, w.acc, w.d, w.f
     tan, sec2, turn, moment = w.tan, w.sec2, w.turn, w.moment
@@ -116,21 +118,21 @@ def march(
         if active < places and more:
             active, more = _take(
                 queue, active, places, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps,
-                idle, q, inverse_inertia, scale, arm, timer, piece, sampled, law, piece_start, coefficients, pieces,
+                idle, q, inverse_inertia, scale, arm, timer, alarm, piece, sampled, law, piece_start, coefficients, pieces,
                 second_pair, free, empty, line, guard, memory, mode, work, tracked_sense.size, extreme,
             )  # fmt: skip
         if active == 0:
             break
         series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, turn, d)
         changes.change_modes(
-            lanes, pair_element, pending, pending_count, crash, time, steps, d, law, piece_start, coefficients, pieces, second_pair,
-            line, guard, memory, mode, log,
+            lanes, pair_element, pending, pending_count, crash, time, steps, d, law, piece_start, coefficients, pieces,
+            second_pair, line, guard, memory, mode, log,
         )  # fmt: skip
         if timed:
             changes.keep_time(
                 lanes, driven, timer_element, timer_action, timer_value, pulse_start, pulse_series, pulse_amplitude,
-                pulse_length, crash, until, pause, time, timer, amplitude, per, origin, piece, d, acc, piece_start, coefficients,
-                pieces, second_pair, line, guard, memory, mode, log,
+                pulse_length, crash, until, pause, time, timer, alarm, amplitude, per, origin, piece, d, acc, piece_start,
+                coefficients, pieces, second_pair, line, guard, memory, mode, log,
             )  # fmt: skip
 
         if restrained and not recorded:
@@ -185,10 +187,10 @@ def march(
 
 @kernel
 def _take(
-    queue: Ints, active: int, places: int, inertia: Table, rate: Table, arms: Table, duration: Floats, timer_time: Table, timed: bool,
-    crash: Ints, until: Floats, pause: Floats, time: Floats, last: Floats, steps: Floats, idle: Floats, q: Floats,
-    inverse_inertia: Floats, scale: Floats, arm: Floats, timer: Floats, piece: Ints, sampled: Ints, law: Ints,
-    piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, free: Ints, empty: Ints, line: Floats,
+    queue: Ints, active: int, places: int, inertia: Table, rate: Table, arms: Table, duration: Floats, timer_time: Table,
+    timed: bool, crash: Ints, until: Floats, pause: Floats, time: Floats, last: Floats, steps: Floats, idle: Floats, q: Floats,
+    inverse_inertia: Floats, scale: Floats, arm: Floats, timer: Floats, alarm: Floats, piece: Ints, sampled: Ints,
+    law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, free: Ints, empty: Ints, line: Floats,
     guard: Floats, memory: Floats, mode: Ints, work: Floats, tracked: int, extreme: Floats,
 ) -> tuple[int, bool]:  # fmt: skip
     """Put the next crashes into the lanes that have none. How many have one now, and whether there may be more to take."""
@@ -199,7 +201,7 @@ def _take(
                 return active, False
             _load(
                 l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
-                inverse_inertia, scale, arm, timer, piece, sampled,
+                inverse_inertia, scale, arm, timer, alarm, piece, sampled,
             )  # fmt: skip
             _open(
                 l, number, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work,
@@ -212,7 +214,7 @@ def _take(
 @part
 def _load(
     l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
-    inverse_inertia, scale, arm, timer, piece, sampled,
+    inverse_inertia, scale, arm, timer, alarm, piece, sampled,
 ):  # fmt: skip
     """Put a crash into lane l, at its start."""
     crash[l] = number
@@ -222,6 +224,7 @@ def _load(
     sampled[l] = 0
     for t in range(timer_time.shape[0]):
         timer[row(t) + l] = timer_time[t, number]
+    alarm[l] = 0.0 if timer_time.shape[0] > 0 else np.inf
     time[l] = 0.0
     last[l] = NO
     steps[l] = 0.0

@@ -71,9 +71,7 @@ def tracked(
     )
 
 
-def solve_many(
-    network: Network, quantities: workspace.Tracked = _NOTHING, *, work: bool = False, threads: int = 1
-) -> Solved:
+def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, work: bool = False, threads: int = 1) -> Solved:
     """Solve every crash of the network's columns, in lanes, on up to so many threads (the interpreter is released).
 
     Vehicles that move the same in every row, whatever their occupants do, are solved once (see `apart`). `work`: also integrate
@@ -105,9 +103,7 @@ def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool,
     return Solved(*results)
 
 
-def _solve_apart(
-    network: Network, parts: Apart, quantities: workspace.Tracked, *, work: bool, threads: int
-) -> Solved | None:
+def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, *, work: bool, threads: int) -> Solved | None:
     """The vehicles once, then the occupants of each; None where the vehicles cannot be solved to the end."""
     alone = network_of(network, parts.vehicles)
     phases, stop = solve_one(alone)

@@ -177,7 +177,9 @@ def _store(typingctx, array, index, value):  # noqa: ARG001
 @_instructions_of(vector.pick)
 def _pick(typingctx, table, rows, index, column):  # noqa: ARG001
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        table, rows = (context.make_array(kind)(context, builder, array) for kind, array in zip(sig.args[:2], args[:2], strict=True))
+        table, rows = (
+            context.make_array(kind)(context, builder, array) for kind, array in zip(sig.args[:2], args[:2], strict=True)
+        )
         _height, width = cgutils.unpack_tuple(builder, table.shape)
         first, picked = builder.gep(table.data, [args[3]]), ir.Constant(_DOUBLES, ir.Undefined)
         for n in range(WIDTH):

@@ -80,6 +80,7 @@ class Lanes(NamedTuple):
     until: Floats  # its duration; 0 where there is none
     pause: Floats  # the next time to stop at: a timer, the pulse's next piece, or the end
     timer: Floats  # rows by timer: when it goes off, infinite once it has
+    alarm: Floats  # when the next of them does
     amplitude: Floats  # what the pulse's shape is multiplied by
     per: Floats  # one over the pulse's length
     origin: Floats  # the time at which its piece at hand starts
@@ -182,6 +183,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         until=floats(1),
         pause=floats(1),
         timer=floats(network.timer_element.size),
+        alarm=floats(1),
         amplitude=floats(1),
         per=floats(1),
         origin=floats(1),
