@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ridedown import Outcomes, Response, catalogue, load, simulate, simulate_many
+from ridedown import Outcomes, Response, catalogue, load, simulate, simulate_many, simulation
 from ridedown.scenario import parameters, substitute
 from tests import samples
 from tests.samples import examples
@@ -118,6 +120,20 @@ def test_threads_do_not_matter() -> None:
     one, two, all_cores = (simulate_many(load("p1"), columns, threads=threads) for threads in (1, 2, None))
     equal(one, two, np.arange(5000))
     equal(one, all_cores, np.arange(5000))
+
+
+@pytest.mark.parametrize("paths", [["vehicle1.mass", "adult.restraint.stiffness"], ["adult.restraint.stiffness"]])
+def test_nor_does_it_matter_how_many_are_lowered_at_a_time(monkeypatch: pytest.MonkeyPatch, paths: list[str]) -> None:
+    whole = table(2500)
+    columns = {path: whole[path] for path in paths} | {"vehicle2.speed": np.array(12.0)}
+    sampled: dict[str, Any] = {"samples": ["adult.acceleration"], "times": np.linspace(0.0, 0.2, 9)}
+    one = simulate_many(load("p1"), columns, **sampled, threads=2)
+    monkeypatch.setattr(simulation, "_SPAN", 700)
+    equal(simulate_many(load("p1"), columns, **sampled, threads=2), one, np.arange(2500))
+    monkeypatch.setattr(simulation, "_SAMPLES", 9 * 901)
+    few = simulate_many(load("p1"), columns, **sampled, threads=3)
+    equal(few, one, np.arange(2500))
+    np.testing.assert_array_equal(few.samples["adult.acceleration"], one.samples["adult.acceleration"])
 
 
 def test_a_row_that_fails_does_not_touch_the_others() -> None:

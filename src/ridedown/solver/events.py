@@ -17,7 +17,6 @@ from ridedown.solver.vector import ALL_LANES, WIDTH, first_lane, lanes_of, load,
 GAP_ROUND_OFF = 1e-14  # m
 RATE_ROUND_OFF = 1e-13  # m/s
 ACCELERATION_ROUND_OFF = 1e-11  # m/s2
-NO_EVENT = -1
 _SAME = 1e-13  # of the step: at one instant, within round-off
 _IDLE_ALL = 6  # steps of no length in which every negative guard may change its mode at once; then one at a time
 NO, YES = 0.0, 1.0
@@ -32,13 +31,16 @@ POWER_ROWS = DEGREE + 7
 def find(
     lanes: int, law: Ints, pair_element: Ints, second_pair: Ints, rests: Ints, coordinates: int, term_start: Ints,
     term_coordinate: Ints, term_sign: Floats, lever: Ints, arm: Floats, q: Floats, tan: Floats, bend: Floats, guard: Floats,
-    d: Floats, crash: Ints, last: Floats, idle: Floats, step: Floats, power: Floats, event: Ints, pending: Ints,
-    pending_count: Ints, falling: Floats, owner: Ints, shape: Floats, poly: Floats, room: Table,
+    d: Floats, crash: Ints, last: Floats, idle: Floats, step: Floats, power: Floats, found: Ints, root: Floats,
+    found_count: Ints, pending: Ints, pending_count: Ints, falling: Floats, owner: Ints, shape: Floats, poly: Floats,
+    room: Table,
 ) -> None:  # fmt: skip
     """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
-    The step of a lane with an event shrinks to it, and `pending`, empty at first, names the guards whose modes change then.
-    `falling` and `owner` are room for guards to be solved together, `shape` for one guard in the lanes of a block.
+    The step of a lane with an event shrinks to it, and `pending`, empty at first, names the guards whose modes change then: those
+    that turn negative at that instant, in the order of their numbers, so that nothing depends on a lane's neighbours.
+    `found` and `root` are room for events and when they are, `falling` and `owner` for guards to be solved together, `shape` for
+    one guard in the lanes of a block.
     """
     count = 0
     for block in range(0, lanes, WIDTH):
@@ -66,34 +68,47 @@ def find(
                 if bits == 0:
                     continue
                 if count > STRIDE - WIDTH:
-                    _note_all(count, falling, owner, power, event)
+                    _note_all(count, falling, owner, power, found, root, found_count)
                     count = 0
                 g = 2 * (e if n < 2 else second_pair[e]) + n % 2
                 count = _examine(
-                    g, e, block, bits, _SOONEST + n * STRIDE, guard, d, crash, power, event, pending, pending_count, falling,
-                    owner, count, shape, poly, room,
+                    g, e, block, bits, _SOONEST + n * STRIDE, guard, d, crash, power, found, root, found_count, pending,
+                    pending_count, falling, owner, count, shape, poly, room,
                 )  # fmt: skip
-    _note_all(count, falling, owner, power, event)
+    _note_all(count, falling, owner, power, found, root, found_count)
     for l in range(lanes):
         if pending_count[l] > 0:  # rule 2: a step of no length
-            step[l], last[l], event[l] = 0.0, NO, NO_EVENT
+            step[l], last[l] = 0.0, NO
             idle[l] += 1.0
             if idle[l] > _IDLE_ALL:
                 pending_count[l] = 1
-        elif event[l] != NO_EVENT:  # rule 5
-            first = power[_FIRST + l]
-            if first < 1.0 or last[l] == NO:
-                step[l] *= first
-                last[l] = NO
-                pending[l] = event[l]
-                pending_count[l] = 1
-            event[l] = NO_EVENT
-    for x in range(count):  # others at the same instant change with it, to spare a step of no length
-        l, g = owner[2 * x], owner[2 * x + 1]
-        same = abs(falling[row(together.ROOT) + x] - power[_FIRST + l]) <= _SAME
-        if same and step[l] > 0.0 and pending_count[l] > 0 and pair_element[pending[l] // 2] != pair_element[g // 2]:
-            pending[row(pending_count[l]) + l] = g
-            pending_count[l] += 1
+        elif found_count[l] > 0 and (power[_FIRST + l] < 1.0 or last[l] == NO):  # rule 5
+            step[l] *= power[_FIRST + l]
+            last[l] = NO
+            pending_count[l] = _at_once(l, power[_FIRST + l], pair_element, found, root, found_count[l], pending)
+        found_count[l] = 0
+
+
+@inlined
+def _at_once(l, first, pair_element, found, root, count, pending):
+    """The guards that turn negative at that instant, one an element, into `pending`; how many."""
+    kept = 0
+    for n in range(count):
+        g, at_n = found[row(n) + l], root[row(n) + l]
+        beaten = at_n - first > _SAME
+        for m in range(count):
+            other, at_m = found[row(m) + l], root[row(m) + l]
+            sooner = at_m < at_n or (at_m == at_n and other < g)
+            beaten |= sooner and pair_element[other // 2] == pair_element[g // 2]
+        if beaten:
+            continue
+        place = kept
+        while place > 0 and pending[row(place - 1) + l] > g:
+            pending[row(place) + l] = pending[row(place - 1) + l]
+            place -= 1
+        pending[row(place) + l] = g
+        kept += 1
+    return kept
 
 
 _CLEAR, _FALLS, _SEARCH = range(3)
@@ -234,7 +249,8 @@ def _unclear(a, b, start, slope, dip, power, soonest, more):
 
 @inlined
 def _examine(
-    g, e, block, bits, soonest, guard, d, crash, power, event, pending, pending_count, falling, owner, count, shape, poly, room
+    g, e, block, bits, soonest, guard, d, crash, power, found, root, found_count, pending, pending_count, falling, owner, count,
+    shape, poly, room,
 ):  # fmt: skip
     """Read guard g of element e closely in the lanes of a block that `bits` names: its polynomial, scaled to [0, 1].
 
@@ -273,9 +289,9 @@ def _examine(
             owner[2 * count + 1] = g
             count += 1
         elif kind == _SEARCH:
-            root = polynomial.first_root(poly, room)
-            power[_LATEST + l] = min(power[_LATEST + l], root)
-            _note(g, l, root, power, event)
+            first = polynomial.first_root(poly, room)
+            power[_LATEST + l] = min(power[_LATEST + l], first)
+            _note(g, l, first, power, found, root, found_count)
     return count
 
 
@@ -372,16 +388,18 @@ def _postpone(g, l, power, pending, pending_count):
 
 
 @inlined
-def _note(g, l, root, power, event):
-    """Keep the earliest root of a lane."""
-    if root < power[_FIRST + l] or (root == 1.0 and event[l] == NO_EVENT):
-        power[_FIRST + l] = root
-        event[l] = g
+def _note(g, l, when, power, found, root, found_count):
+    """Keep what may be the earliest event of a lane, or at the same instant."""
+    if when <= 1.0 and when <= power[_FIRST + l] + _SAME:
+        n = found_count[l]
+        found[row(n) + l], root[row(n) + l] = g, when
+        found_count[l] = n + 1
+        power[_FIRST + l] = min(power[_FIRST + l], when)
 
 
 @part
-def _note_all(count, falling, owner, power, event):
-    """Solve the guards that fall, and keep the earliest root of each lane."""
+def _note_all(count, falling, owner, power, found, root, found_count):
+    """Solve the guards that fall, and keep the earliest of each lane."""
     together.solve(count, falling)
     for x in range(count):
-        _note(owner[2 * x + 1], owner[2 * x], falling[row(together.ROOT) + x], power, event)
+        _note(owner[2 * x + 1], owner[2 * x], falling[row(together.ROOT) + x], power, found, root, found_count)

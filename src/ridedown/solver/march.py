@@ -97,7 +97,8 @@ def march(
     q, acc, d, f = w.q, w.acc, w.d, w.f
     tan, sec2, turn, moment = w.tan, w.sec2, w.turn, w.moment
     inverse_inertia, scale, mode, line, guard, memory = w.inverse_inertia, w.scale, w.mode, w.line, w.guard, w.memory
-    event, pending, pending_count, falling, owner = w.event, w.pending, w.pending_count, w.falling, w.owner
+    found, root, found_count = w.found, w.root, w.found_count
+    pending, pending_count, falling, owner = w.pending, w.pending_count, w.falling, w.owner
     extreme, sampled, work, lane_series, shape, poly, room = w.extreme, w.sampled, w.work, w.series, w.shape, w.poly, w.room
     tracked_start, tracked_family, tracked_index = s.tracked_start, s.tracked_family, s.tracked_index
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
@@ -112,7 +113,6 @@ def march(
     active, more = 0, True
     for l in range(lanes):
         crash[l] = NO_CRASH
-        event[l] = events.NO_EVENT
 
     while True:
         if active < places and more:
@@ -149,8 +149,8 @@ def march(
             stepping.bends(lanes, parent.size, bars.size, q, tan, power, bend)
         events.find(
             lanes, law, pair_element, second_pair, rests, parent.size, term_start, term_coordinate, term_sign, lever, arm, q,
-            tan, bend, guard, d, crash, last, idle, step, power, event, pending, pending_count, falling, owner, shape, poly,
-            room,
+            tan, bend, guard, d, crash, last, idle, step, power, found, root, found_count, pending, pending_count,
+            falling, owner, shape, poly, room,
         )  # fmt: skip
         stepping.powers(lanes, step, power)
         extremes.track_all(

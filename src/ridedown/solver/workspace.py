@@ -114,7 +114,9 @@ class Lanes(NamedTuple):
     rests: Ints  # whether a restraint rests, in the first lane of each vector (see `series.rest`)
     work: Floats  # done on each element so far
     # events and extremes
-    event: Ints  # guard that ends this step, -1 = none
+    found: Ints  # rows: the guards that may end this step, found_count of them
+    root: Floats  # and at what fraction of it
+    found_count: Ints
     pending: Ints  # guards found negative at the start of the step, pending_count of them
     pending_count: Ints
     extreme: Floats
@@ -213,7 +215,9 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         memory=floats(m * MEMORY_ROWS),
         rests=whole(m),
         work=floats(m),
-        event=whole(1),
+        found=whole(2 * pairs),
+        root=floats(2 * pairs),
+        found_count=whole(1),
         pending=whole(2 * pairs),
         pending_count=whole(1),
         extreme=floats(tracked * EXTREME_ROWS),
