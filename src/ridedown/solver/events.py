@@ -37,10 +37,10 @@ def find(
 ) -> None:  # fmt: skip
     """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
-    The step of a lane with an event shrinks to it, and `pending`, empty at first, names the guards whose modes change then: those
-    that turn negative at that instant, in the order of their numbers, so that nothing depends on a lane's neighbours.
-    `found` and `root` are room for events and when they are, `falling` and `owner` for guards to be solved together, `shape` for
-    one guard in the lanes of a block.
+    The step of a lane with an event shrinks to it, and `pending`, empty at first, names the guards whose modes change then:
+    those that turn negative at that instant, in the order of their numbers, so that nothing depends on a lane's neighbours.
+    `found` and `root` are room for events and when they are, `falling` and `owner` for guards to be solved together, `shape`
+    for one guard in the lanes of a block.
     """
     count = 0
     for block in range(0, lanes, WIDTH):
