@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 import ridedown
 from ridedown import catalogue
+from ridedown.apps import cli
 from ridedown.apps.cli import STOPPED, app
 from ridedown.scenario import load
 
@@ -84,6 +85,16 @@ def test_a_run_that_stops_early_shows_its_part_and_says_why(tmp_path):
     assert "bar turned" in result.stderr
     assert "The simulation stopped at" in result.stdout
     assert "The simulation stopped at" in (tmp_path / "out" / "index.html").read_text()
+
+
+@pytest.mark.parametrize(("given", "used"), [(None, "1"), ("4", "4")])
+def test_linear_algebra_has_one_thread_unless_it_is_told_otherwise(monkeypatch, given, used):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given or "0")  # put back after the test, as it was
+    if given is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    monkeypatch.setattr(cli, "app", lambda **_: None)
+    cli.main()
+    assert os.environ["OPENBLAS_NUM_THREADS"] == used
 
 
 def test_help_imports_nothing_heavy():

@@ -6,6 +6,7 @@ at once.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -40,6 +41,8 @@ Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Also wri
 
 def main() -> None:
     """Run the command line; the console script's entry point."""
+    # Matrices are small here: further threads of linear algebra only wait for one another, and double the work of a fit.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal that cannot show a minus sign is no reason to stop
