@@ -82,7 +82,7 @@ def test_carpet_has_a_line_for_each_level_both_ways():
     np.testing.assert_allclose(lines[-1].get_ydata(), peak[:, -1] / G)
     kept = int(((way <= 0.5) & (peak <= 25.0 * G)).sum())
     assert f"{kept} of 45 designs keep to the limits" in plot.description
-    assert labels_of(plot)[:2] == ["same stiffness", "same ratio"]
+    assert labels_of(plot)[:2] == ["same stiffness, kN/m", "same ratio"]
 
 
 # sample

@@ -130,6 +130,22 @@ def done(axes: Axes, *, legend: bool = True) -> Figure:
     return figure
 
 
+def done_above(axes: Axes) -> Figure:
+    """The figure of axes that are finished; the legend is below the title, so that it hides nothing."""
+    figure = done(axes, legend=False)
+    rows = -(-len(axes.get_legend_handles_labels()[0]) // 2)
+    axes.set_position((0.105, 0.125, 0.868, 0.765 - 0.055 * rows))
+    axes.set_title(axes.get_title(loc="left"), loc="left", fontsize=11.0, fontweight="bold", pad=8.0 + 15.0 * rows)
+    legend = axes.legend(
+        loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=2, fontsize=9.0, frameon=False, handletextpad=0.5,
+        columnspacing=1.5, borderaxespad=0.0, markerscale=1.3,
+    )  # fmt: skip
+    for handle in legend.legend_handles:
+        if handle is not None:
+            handle.set_alpha(1.0)
+    return figure
+
+
 def note(axes: Axes, text: str, at: tuple[float, float], *, colour: str = INK, ha: str = "left", va: str = "bottom") -> None:
     """A word beside a place, in the units of the axes."""
     axes.annotate(

@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import ArrayLike, NDArray
 
-from ridedown.report.study_axes import Floats, Quantity, done, note, slug
+from ridedown.report.study_axes import Floats, Quantity, done, done_above, note, slug
 from ridedown.report.style import FAINT, INK, PALETTE, Plot, new_axes
 
 Truths = NDArray[np.bool_]
@@ -101,7 +100,7 @@ def slice_plot(
         set_ends(least - room, most + room)
     wide, high = (f"{of.text(ends[0])} to {of.text(ends[1])}" for of, ends in zip((x, y), sides, strict=True))
     text = f"{y.label} against {x.label}, {across.size:,} rows with all others in the box, which is {wide} by {high}."
-    return Plot(slug("slice", y.name, x.name), axes.get_title(loc="left"), text, _beside(axes))
+    return Plot(slug("slice", y.name, x.name), axes.get_title(loc="left"), text, done_above(axes))
 
 
 def rare_plot(
@@ -120,7 +119,7 @@ def rare_plot(
         f"{across.size:,} rows drawn where {limit}, {int(beyond.sum()):,} of them beyond it; the likeliest such row has "
         f"{x.name} {x.text(likeliest[0])} and {y.name} {y.text(likeliest[1])}."
     )
-    return Plot(slug("rare", limit, y.name, x.name), axes.get_title(loc="left"), text, _beside(axes))
+    return Plot(slug("rare", limit, y.name, x.name), axes.get_title(loc="left"), text, done_above(axes))
 
 
 _MARKS = ("o", "x", "^", "s", "v", "+")
@@ -150,19 +149,3 @@ def _within(axes: Axes, good: Floats, chosen: float) -> None:
     room = (high - low) or abs(high) or 1.0
     before = axes.get_ylim()
     axes.set_ylim(max(before[0], low - 0.6 * room), min(before[1], high + 0.6 * room))
-
-
-def _beside(axes: Axes) -> Figure:
-    """The legend below the title, in rows of two, so that it hides no point."""
-    figure = done(axes, legend=False)
-    rows = -(-len(axes.get_legend_handles_labels()[0]) // 2)
-    axes.set_position((0.105, 0.125, 0.868, 0.765 - 0.055 * rows))
-    axes.set_title(axes.get_title(loc="left"), loc="left", fontsize=11.0, fontweight="bold", pad=8.0 + 15.0 * rows)
-    legend = axes.legend(
-        loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=2, fontsize=9.0, frameon=False, handletextpad=0.3,
-        columnspacing=1.5, borderaxespad=0.0, markerscale=1.3,
-    )  # fmt: skip
-    for handle in legend.legend_handles:
-        if handle is not None:
-            handle.set_alpha(1.0)
-    return figure

@@ -9,8 +9,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
-from ridedown.report.study_axes import LIMIT, Bar, Floats, Quantity, done, finite, limit_level, limit_upright, note, slug
+from ridedown.report.study_axes import (
+    LIMIT,
+    Bar,
+    Floats,
+    Quantity,
+    done,
+    done_above,
+    finite,
+    limit_level,
+    limit_upright,
+    slug,
+)  # fmt: skip
 from ridedown.report.style import PALETTE, Plot, draw_line, new_axes
+from ridedown.report.tags import Tag, place_tags
 
 _LEVELS = 9  # contours
 _LINES = 7  # lines of a carpet each way; levels in between are left out
@@ -115,14 +127,14 @@ def carpet_plot(
     first, second = (np.asarray(level, dtype=np.float64) for level in levels)
     across, up = x.shown(grids[0]), y.shown(grids[1])
     axes = new_axes(f"{y.name} against {x.name}", xlabel=x.label, ylabel=y.label)
-    rows, columns = _some(first.size), _some(second.size)
-    along = [(across[i], up[i]) for i in rows], [(across[:, j], up[:, j]) for j in columns]
-    for n, (quantity, lines, values) in enumerate(zip((one, other), along, (first[rows], second[columns]), strict=True)):
-        last = _spread([(x[-1], y[-1]) for x, y in lines]) >= _spread([(x[0], y[0]) for x, y in lines])
-        for k, ((line_x, line_y), value) in enumerate(zip(lines, values, strict=True)):
-            draw_line(axes, line_x, line_y, label=f"same {quantity.name}" if k == 0 else "_", index=2 * n, dash=n)
-            _tag(axes, line_x, line_y, quantity.text(value, unit=k == len(lines) // 2), PALETTE[2 * n], last=bool(last))
-    axes.margins(0.12)
+    families = (
+        [(across[i], up[i], one.text(first[i], unit=False)) for i in _some(first.size)],
+        [(across[:, j], up[:, j], other.text(second[j], unit=False)) for j in _some(second.size)],
+    )
+    for n, (quantity, lines) in enumerate(zip((one, other), families, strict=True)):
+        for k, (line_x, line_y, _) in enumerate(lines):
+            draw_line(axes, line_x, line_y, label=f"same {quantity.label}" if k == 0 else "_", index=2 * n, dash=n)
+    axes.margins(0.14)
     axes.autoscale_view()
     for limit in limits[0]:
         limit_upright(axes, x, limit)
@@ -136,24 +148,38 @@ def carpet_plot(
     if any(limits):
         known = np.isfinite(across) & np.isfinite(up)
         said += f" {int((known & ~broken).sum())} of {int(known.sum())} designs keep to the limits, which are drawn in."
-    return Plot(slug("carpet", y.name, x.name), axes.get_title(loc="left"), said + held, done(axes))
+    figure = done_above(axes)
+    tags = [_tags(axes, lines, PALETTE[2 * n]) for n, lines in enumerate(families)]
+    left_out = place_tags(axes, tags)
+    for quantity, size, family in zip((one, other), (first.size, second.size), tags, strict=True):
+        if len(family) < size:
+            said += f" {len(family)} of {size} values of {quantity.name} are drawn."
+        if unnamed := sum(tag in left_out for tag in family):
+            said += f" There is no room to name {unnamed} of the {len(family)} lines of equal {quantity.name}."
+    return Plot(slug("carpet", y.name, x.name), axes.get_title(loc="left"), said + held, figure)
 
 
 def _some(count: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, count - 1, min(count, _LINES)).round().astype(np.int64))
 
 
-def _spread(ends: Sequence[tuple[float, float]]) -> float:
-    """How far apart ends of lines lie, least first: what there is room for."""
-    places = np.array(ends)
-    return float(np.nanmin(np.hypot(*np.diff(places, axis=0).T))) if len(ends) > 1 else 0.0
+def _tags(axes: Axes, lines: Sequence[tuple[Floats, Floats, str]], colour: str) -> list[Tag]:
+    """The names of lines, at those of their ends that lie further apart in the picture."""
+    ahead = [Tag(text, x, y, colour) for x, y, text in lines]
+    back = [Tag(text, x[::-1], y[::-1], colour) for x, y, text in lines]
+    return ahead if _spread(axes, ahead) >= _spread(axes, back) else back
 
 
-def _tag(axes: Axes, x: Floats, y: Floats, text: str, colour: str, *, last: bool) -> None:
-    good = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
-    if good.size:
-        k = good[-1] if last else good[0]
-        note(axes, text, (float(x[k]), float(y[k])), colour=colour, va="bottom" if last else "top")
+def _spread(axes: Axes, tags: Sequence[Tag]) -> float:
+    """How far apart the ends of lines lie in the picture, least first: what there is room for."""
+    ends = []
+    for tag in tags:
+        known = np.flatnonzero(np.isfinite(tag.x) & np.isfinite(tag.y))
+        if known.size:
+            ends.append((tag.x[known[-1]], tag.y[known[-1]]))
+    if len(ends) < 2:
+        return 0.0
+    return float(np.hypot(*np.diff(axes.transData.transform(ends), axis=0).T).min())
 
 
 def _kept(outcome: Quantity, values: Floats, limits: Sequence[Bar]) -> str:

@@ -93,7 +93,10 @@ def test_mass_and_stiffness_are_confounded_and_the_belt_force_would_tell():
     case = {"name": "sled", "scenario": base, "record": test, "targets": [CHEST]}
     done = calibrate(spec(test, cases=[case], parameters=both))
     assert {"mass", "stiffness"} == set(done.confounded[0].names)
-    assert "adult.restraint.force" in [one.channel for one in done.confounded[0].helps]
+    helps = done.confounded[0].helps
+    assert "adult.restraint.force" in [one.channel for one in helps]
+    listed = ", ".join(f"{one.channel} to {200.0 * one.with_it:.0f} %" for one in helps)  # one test: it need not be named
+    assert done.confounded[0].sentence.endswith(f"Measuring one of these as well would narrow the band: {listed}.")
     force = {"channel": "adult.restraint.force", "measured": "adult.restraint.force", "window": ["0 ms", "150 ms"]}
     told = calibrate(spec(test, cases=[case | {"targets": [CHEST, force]}], parameters=both))
     assert told.confounded == ()

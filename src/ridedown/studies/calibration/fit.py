@@ -228,7 +228,7 @@ def _result(
     parameters = _parameters(problem.unknowns, point, found)
     scatter = _scatter(judged.parts)
     fisher = sum((block.slope.T @ block.slope for block in judged.blocks), np.zeros((point.size, point.size)))
-    apart = confounded(problem.unknowns, point, fisher, found, judged.candidates)
+    apart = confounded(problem.unknowns, point, fisher, found, judged.candidates, several=len(problem.cases) > 1)
     return Calibrated(
         calibration=problem.calibration,
         parameters=parameters,

@@ -44,11 +44,18 @@ class Candidate:
 
 
 def confounded(
-    unknowns: Sequence[Unknown], point: Floats, fisher: Floats, found: Uncertainty, candidates: Sequence[Candidate]
+    unknowns: Sequence[Unknown],
+    point: Floats,
+    fisher: Floats,
+    found: Uncertainty,
+    candidates: Sequence[Candidate],
+    *,
+    several: bool = False,
 ) -> tuple[Confounded, ...]:
     """What cannot be told at this point of the unit cube, the least sure first, and the measurements that would help.
 
-    fisher: (n, n), of the measurements at hand, scaled as the candidates are.
+    fisher: (n, n), of the measurements at hand, scaled as the candidates are. several: whether there is more than one test, so
+    that a channel has to be said with its case.
     """
     half = found.reach * found.deviation
     inflation = _inflation(found.covariance)
@@ -72,7 +79,7 @@ def confounded(
             Confounded(
                 tuple(unknowns[j].name for j in members),
                 tuple(float(direction[j]) for j in members),
-                _sentence(unknowns, point, members, direction, half, found.correlation, helps),
+                _sentence(unknowns, point, members, direction, half, found.correlation, helps, several=several),
                 helps,
             )
         )
@@ -128,6 +135,8 @@ def _sentence(
     half: Floats,
     correlation: Floats,
     helps: Sequence[Help],
+    *,
+    several: bool,
 ) -> str:
     first, *others = members
     name = unknowns[first].name
@@ -144,9 +153,14 @@ def _sentence(
             f"What is measured stays nearly the same with {moved}."
         )
     if helps:
-        listed = "; ".join(f"{h.channel} of {h.case} (band {100.0 * min(1.0, 2.0 * h.with_it):.0f} %)" for h in helps)
-        return f"{said} Measuring one of these as well would tell: {listed}."
+        listed = ", ".join(f"{_named(h, several=several)} to {100.0 * min(1.0, 2.0 * h.with_it):.0f} %" for h in helps)
+        return f"{said} Measuring one of these as well would narrow the band: {listed}."
     return f"{said} No channel of these crashes would tell much more: fix it, or add a test of another kind."
+
+
+def _named(one: Help, *, several: bool) -> str:
+    """A channel, and where there are several tests, that of which one: the channel itself says whose it is."""
+    return f'{one.channel} in "{one.case}"' if several else one.channel
 
 
 def _moved(unknowns: Sequence[Unknown], point: Floats, members: tuple[int, ...], direction: Floats) -> str:
