@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import time
 from typing import Any
 
 import numpy as np
@@ -91,6 +93,25 @@ def test_what_stops_raises_with_the_part_computed() -> None:
         simulate(gives_way)
     assert 0.0 < stopped.value.response.end_time < 0.2
     assert simulate(gives_way, throw=False).end_time == stopped.value.response.end_time
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no such timers here")
+@pytest.mark.parametrize("threads", [1, 2])
+def test_an_interrupt_is_heard_while_many_are_solved(threads: int) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    slow = {"duration": np.full(30_000, 10.0), "child.seat.mass": 0.003, "bar.inertia": 1e4}  # a minute of them
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        begin = time.monotonic()
+        signal.setitimer(signal.ITIMER_REAL, 1.0)
+        with pytest.raises(KeyboardInterrupt):
+            simulate_many(load("p1"), slow, outcomes=PEAK, threads=threads)
+        assert time.monotonic() - begin < 8.0
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def test_the_same_crash_twice_is_the_same_to_the_last_bit() -> None:

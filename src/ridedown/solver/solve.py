@@ -83,7 +83,10 @@ def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, wo
 
 
 def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool, threads: int) -> Solved:
-    """Every thread carries crashes of its own, and takes the next from the same columns: none waits while there are any."""
+    """Every thread carries crashes of its own, and takes the next from the same columns: none waits while there are any.
+
+    The calling thread only waits, so that it can be interrupted: no more crashes are taken then.
+    """
     structure, numbers = workspace.structure_of(network, quantities), workspace.numbers_of(network)
     results, record = workspace.results_for(network, quantities), workspace.record_for(network, 0)
     queue = np.zeros(1, dtype=np.int64)
@@ -94,11 +97,15 @@ def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool,
         march(structure, numbers, lanes, queue, places, results, record, TOLERANCE, work)
 
     count = min(threads, network.size // _WORTH_A_THREAD)
-    if count > 1:
-        with ThreadPoolExecutor(count) as pool:
-            list(pool.map(run, range(count)))
-    else:
+    if count == 0:
         run()
+    else:
+        with ThreadPoolExecutor(count) as pool:
+            try:
+                list(pool.map(run, range(count)))
+            except BaseException:
+                queue[0] = network.size
+                raise
     results.best[quantities.sense < 0] *= -1.0
     return Solved(*results)
 
