@@ -175,4 +175,6 @@ def _read(value: object, scale: Fraction, where: str) -> tuple[object, Dimension
             raise Refused(refused.got, refused.need, refused.fix, field=where) from None
     if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not np.isfinite(value):
         return value, None
+    if scale == 1:
+        return float(value), None
     return float(Fraction(repr(float(value))) * scale), None  # exact until the last step, as text is
