@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.text import Text
 
 from ridedown import load
 from ridedown.report import study_bound
@@ -53,7 +56,7 @@ def test_map_says_where_the_least_is_and_draws_the_limit():
     plot = map_plot(STIFFNESS, RATIO, WAY, k, z, way.T, limits=[Bar(0.5)])
     assert "Least 316.2 mm at 100 kN/m" in plot.description
     assert f"{int((way <= 0.5).sum())} of 45 rows keep to it" in plot.description
-    assert "limit at most 500 mm; beyond is hatched" in axes_of(plot).get_title(loc="right")
+    assert "limit at most 500 mm; beyond is hatched" in [text.get_text() for text in axes_of(plot).texts]
     drawn = [c for c in axes_of(plot).collections if any(to_hex(e) == LIMIT.lower() for e in np.atleast_2d(c.get_edgecolor()))]
     assert drawn  # a line in the limit's colour
     assert plot.figure.axes[1].get_ylabel() == "excursion, mm"
@@ -145,6 +148,35 @@ def test_tornado_compares_the_ends_of_each_parameter():
     assert [label.get_text() for label in axes_of(plot).get_yticklabels()] == ["strong", "weak"]
     widths = [bar.get_width() for bar in axes_of(plot).patches]
     np.testing.assert_allclose(widths, [-450.0, 450.0, -45.0, 45.0], atol=12.0)  # means of tenths, and of 4000 rows each
+
+
+def test_values_beside_a_bar_without_length_are_both_legible():
+    rng = np.random.default_rng(3)
+    strong, idle = rng.uniform(20e3, 100e3, 2000), rng.uniform(0.1, 0.9, 2000)
+    plot = tornado_plot(WAY, {STIFFNESS: strong, RATIO: idle}, strong / 1e5)
+    plot.figure.canvas.draw()
+    renderer = plot.figure.canvas.get_renderer()
+    words = [Text.get_window_extent(text, renderer) for text in axes_of(plot).texts]
+    assert len(words) == 4
+    assert not any(one.overlaps(other) for one, other in combinations(words, 2))
+
+
+def test_room_and_seat_back_are_named(bound):
+    words = [text.get_text() for text in axes_of(study_bound.excursion_plot(bound)).texts]
+    assert words == ["room in front, 250 mm", "seat back, 0 mm"]
+
+
+@pytest.mark.parametrize("count", [2, 33])
+def test_labels_of_contours_are_whole_and_apart(count):
+    k, z = np.linspace(20e3, 100e3, count), np.linspace(0.1, 0.9, count)
+    stiff, damped = np.meshgrid(k, z)
+    plot = map_plot(STIFFNESS, RATIO, WAY, k, z, 0.3 + stiff / 1e6 + 0.2 * damped)
+    plot.figure.canvas.draw()
+    renderer, frame = plot.figure.canvas.get_renderer(), axes_of(plot).get_window_extent()
+    words = [text.get_window_extent(renderer) for text in axes_of(plot).texts]
+    assert len(words) >= 5
+    assert not any(one.overlaps(other) for one, other in combinations(words, 2))
+    assert all(frame.x0 < one.x0 and one.x1 < frame.x1 and frame.y0 < one.y0 and one.y1 < frame.y1 for one in words)
 
 
 def test_many_parameters_are_cut_and_that_is_said():
@@ -271,3 +303,71 @@ def test_many_points_are_thinned():
     plot = tried_plot(RATIO, RATIO, x, y, np.ones(5000, dtype=bool), (0.5, 0.5))
     assert 500 <= len(points_of(plot)["holds all constraints"]) <= 700
     assert len(plot.svg) < 300_000
+
+
+# whatever the names
+
+
+LONG = "driver.restraints.belt.load_limiter.second_force", "vehicle1.members.pieces.0.stiffness"
+LONG_OUTCOMES = "offset.driver.chest.acceleration.peak_time", "weighted.driver.restraint.force.max"
+
+
+def figures_with_long_names():
+    x, y = (Quantity(name, "N/m") for name in LONG)
+    a, b = Quantity(LONG_OUTCOMES[0], "s"), Quantity(LONG_OUTCOMES[1], "N")
+    k, z, way, peak = grids()
+    one = np.linspace(0.1, 0.9, 30)
+    held, sides = one > 0.4, {x: (2e4, 2.1e4), y: (9.9e4, 10e4)}
+    ranges = {x: (1e4, 10e4), y: (1e4, 10e4)}
+    found = {name: Interval(0.5, 0.4, 0.6) for name in LONG}
+    words = f"{a.name} at most 100 ms"
+    return {
+        "line": line_plot(x, a, one, one, limits=[Bar(0.5)]),
+        "map": map_plot(x, y, a, k, z, way.T, limits=[Bar(0.5)]),
+        "carpet": carpet_plot(x, y, a, b, (k, z), (way, peak), limits=([Bar(0.5)], [Bar(25.0 * G)])),
+        "distribution": distribution_plot(a, one, limits=[Bar(0.8)], said=["exceeded by 2.3 % (2.2 to 2.4 %)"]),
+        "cumulative": cumulative_plot(a, one, limits=[Bar(0.8)]),
+        "index": index_plot(a.name, found, found),
+        "effect": effect_plot(a, found, dict.fromkeys(LONG, 0.1)),
+        "tornado": tornado_plot(a, {x: one, y: one[::-1]}, one),
+        "front": front_plot(a, b, ([0.2, 0.3], [300.0, 250.0]), chosen=1, beside={"as built": (0.25, 290.0)}),
+        "parallel": parallel_plot([x, y, a, b] * 2, [one, one, one, one] * 2, chosen=0),
+        "tried": tried_plot(x, a, one, one, held, (0.5, 0.5)),
+        "progress": progress_plot(a, np.arange(30), one, held),
+        "box": box_plot(sides, ranges),
+        "slice": slice_plot(x, y, (1e5 * one, 1e5 * one), {words: held}, tuple(sides.values()), tuple(ranges.values())),
+        "rare": rare_plot(x, y, (one, one), held, (0.5, 0.5), words),
+    }
+
+
+def texts_of(figure):
+    for axes in figure.axes:
+        yield from (axes.title, axes.xaxis.label, axes.yaxis.label, *axes.texts)
+        yield from (axes._left_title, axes._right_title)  # matplotlib has no public way to them
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            places = zip(axis.get_majorticklocs(), axis.get_majorticklabels(), strict=True)
+            yield from (label for place, label in places if low <= place <= high)
+        if (legend := axes.get_legend()) is not None:
+            yield from legend.get_texts()
+
+
+@pytest.mark.parametrize("kind", figures_with_long_names())
+def test_no_words_are_cut_off_however_long_the_names(kind):
+    figure = figures_with_long_names()[kind].figure
+    figure.canvas.draw()
+    whole, renderer = figure.bbox, figure.canvas.get_renderer()
+    for text in texts_of(figure):
+        if not text.get_text() or not text.get_visible():
+            continue
+        extent = Text.get_window_extent(text, renderer)
+        assert whole.x0 <= extent.x0, text
+        assert extent.x1 <= whole.x1, text
+        assert whole.y0 <= extent.y0, text
+        assert extent.y1 <= whole.y1, text
+    axes = figure.axes[0]
+    if axes.get_ylabel():
+        low, high = sorted(axes.get_ylim())
+        ticks = zip(axes.get_yticks(), axes.get_yticklabels(), strict=True)
+        beside = axes.yaxis.label.get_window_extent(renderer)
+        assert not any(beside.overlaps(text.get_window_extent(renderer)) for at, text in ticks if low <= at <= high)

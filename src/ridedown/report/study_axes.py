@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from ridedown.criteria import STANDARD_GRAVITY
-from ridedown.report.style import INK, PALETTE
+from ridedown.report.style import INK, PALETTE, put_title, room_for_ticks, title_of
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +28,8 @@ _READ: Mapping[str, tuple[str, float]] = {
     "rad": ("degrees", 180.0 / np.pi),
 }
 """SI units to those that are drawn, and the factor."""
+
+_TWO_BESIDE = 42  # characters: entries of a legend that are no longer go two in a row
 
 LIMIT = PALETTE[1]
 """Colour of a limit, in every figure."""
@@ -125,6 +127,7 @@ def done(axes: Axes, *, legend: bool = True) -> Figure:
     """The figure of axes that are finished; with a legend where there is anything to tell apart."""
     if legend and len(axes.get_legend_handles_labels()[0]) > 1:
         axes.legend(loc="best", fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
+    room_for_ticks(axes)
     figure = axes.get_figure()
     assert isinstance(figure, Figure)
     return figure
@@ -133,11 +136,15 @@ def done(axes: Axes, *, legend: bool = True) -> Figure:
 def done_above(axes: Axes) -> Figure:
     """The figure of axes that are finished; the legend is below the title, so that it hides nothing."""
     figure = done(axes, legend=False)
-    rows = -(-len(axes.get_legend_handles_labels()[0]) // 2)
-    axes.set_position((0.105, 0.125, 0.868, 0.765 - 0.055 * rows))
-    axes.set_title(axes.get_title(loc="left"), loc="left", fontsize=11.0, fontweight="bold", pad=8.0 + 15.0 * rows)
+    labels = axes.get_legend_handles_labels()[1]
+    columns = 2 if max(map(len, labels), default=0) <= _TWO_BESIDE else 1
+    rows = -(-len(labels) // columns)
+    title = title_of(axes)
+    place = axes.get_position()
+    put_title(axes, title, pads=(8.0 + 15.0 * rows, 6.0 + 15.0 * rows))
+    axes.set_position((place.x0, 0.125, place.width, 0.765 - 0.055 * rows))
     legend = axes.legend(
-        loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=2, fontsize=9.0, frameon=False, handletextpad=0.5,
+        loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=columns, fontsize=9.0, frameon=False, handletextpad=0.5,
         columnspacing=1.5, borderaxespad=0.0, markerscale=1.3,
     )  # fmt: skip
     for handle in legend.legend_handles:

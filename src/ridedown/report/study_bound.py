@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ridedown.criteria.occupant_load import FREE_FLIGHT, RESTRAINED
-from ridedown.report.study_axes import Quantity, done, note
-from ridedown.report.style import FAINT, INK, PALETTE, Plot, draw_line, new_axes
+from ridedown.report.study_axes import LIMIT, Quantity, done, note
+from ridedown.report.style import FAINT, INK, PALETTE, Plot, draw_line, new_axes, title_of
 from ridedown.report.tables import Column, Table, number
 from ridedown.studies.bound import BoundStudy
 
@@ -35,7 +35,8 @@ def curve_plot(study: BoundStudy) -> Plot:
         )
         axes.annotate("", (x, least), (x, y), arrowprops={"arrowstyle": "->", "color": FAINT, "linewidth": 1.0})
         axes.plot([x], [y], _BUILT[k % len(_BUILT)], color=PALETTE[1 + k % 4], markersize=8.0, label=one.design.name, zorder=4)
-        note(axes, f"{y:.1f} g; least {least:.1f} g", (x, y))
+        far = x > float(np.quantile(across, 0.7))
+        note(axes, f"{y:.1f} g; least {least:.1f} g", (x, y), ha="right" if far else "left")
         said += f" {one.design.name}: {y:.1f} g within {x:.0f} mm, where {least:.1f} g are possible, {100.0 * one.ratio:.0f} %."
     if study.olc is not None:
         axes.plot(
@@ -48,7 +49,7 @@ def curve_plot(study: BoundStudy) -> Plot:
     figure = done(axes)
     # below the curve, where no design can be and none is marked
     axes.legend(loc="lower left", ncols=2, fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
-    return Plot("bound-curve", axes.get_title(loc="left"), said, figure)
+    return Plot("bound-curve", title_of(axes), said, figure)
 
 
 def history_plot(study: BoundStudy) -> Plot:
@@ -63,7 +64,7 @@ def history_plot(study: BoundStudy) -> Plot:
     axes.set_xlim(0.0, _MS * times[-1])
     parts = "; ".join(f"{s.how} from {_MS * s.start:.1f} ms" for s in ideal.stages[:6])
     said = f"Peak {ideal.peak_g:.2f} g. {parts[0].upper()}{parts[1:]}. Times a mass it is the ideal force."
-    return Plot("bound-history", axes.get_title(loc="left"), said, done(axes))
+    return Plot("bound-history", title_of(axes), said, done(axes))
 
 
 def excursion_plot(study: BoundStudy) -> Plot:
@@ -75,12 +76,16 @@ def excursion_plot(study: BoundStudy) -> Plot:
     loose = _WAY.shown(ideal.lead.at(times) - ideal.free.values(times))
     near = loose <= 1.35 * float(_WAY.shown(ideal.excursion)) + 1.0
     draw_line(axes, _MS * times[near], loose[near], label="unrestrained", index=6, dash=1)
-    for edge in (ideal.excursion, -ideal.rearward):
-        if np.isfinite(edge):
-            axes.axhline(float(_WAY.shown(edge)), color=PALETTE[1], linewidth=1.4)
     axes.set_xlim(0.0, _MS * times[-1])
+    for edge, words, va in ((ideal.excursion, "room in front", "bottom"), (0.0 - ideal.rearward, "seat back", "top")):
+        if np.isfinite(edge):
+            at = float(_WAY.shown(edge))
+            axes.axhline(at, color=LIMIT, linewidth=1.4)
+            note(axes, f"{words}, {_WAY.text(edge)}", (_MS * times[-1], at), colour=LIMIT, ha="right", va=va)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low - 0.1 * (high - low), high)  # for the words below
     said = f"Excursion against time; the room, up to {_WAY.text(ideal.excursion)}, is between the horizontal lines."
-    return Plot("bound-excursion", axes.get_title(loc="left"), said, done(axes))
+    return Plot("bound-excursion", title_of(axes), said, done(axes))
 
 
 def table(study: BoundStudy) -> Table:

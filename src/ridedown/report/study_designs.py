@@ -10,11 +10,12 @@ from matplotlib.patches import Rectangle
 from numpy.typing import ArrayLike, NDArray
 
 from ridedown.report.study_axes import Floats, Quantity, done, done_above, note, slug
-from ridedown.report.style import FAINT, INK, PALETTE, Plot, new_axes
+from ridedown.report.style import FAINT, INK, PALETTE, Plot, new_axes, put_title, room_for_names, title_of
 
 Truths = NDArray[np.bool_]
 
 _HELD, _BROKEN = PALETTE[0], PALETTE[1]
+_HALF_A_WORD = 16.0  # per cent of the axes
 _MOST_DRAWN = 700
 """Points of one kind that a figure has, evenly taken of more: a file stays small, and a picture legible."""
 
@@ -36,7 +37,7 @@ def tried_plot(
         f"{goal.label} of {held.size:,} designs tried against {x.label}; {int(held.sum()):,} hold all constraints. "
         f"Chosen: {x.text(chosen[0])}, {goal.text(chosen[1])}."
     )
-    return Plot(slug("tried", x.name), axes.get_title(loc="left"), text, done(axes))
+    return Plot(slug("tried", x.name), title_of(axes), text, done(axes))
 
 
 def progress_plot(goal: Quantity, rows: ArrayLike, up: ArrayLike, held: Truths, *, largest: bool = False) -> Plot:
@@ -49,28 +50,31 @@ def progress_plot(goal: Quantity, rows: ArrayLike, up: ArrayLike, held: Truths, 
     text = f"The best {goal.name} so far against the rows computed"
     if known.any():
         text += f": from {goal.text(best[known][0])} to {goal.text(best[-1])}."
-    return Plot("progress", axes.get_title(loc="left"), text, done(axes))
+    return Plot("progress", title_of(axes), text, done(axes))
 
 
 def box_plot(sides: Mapping[Quantity, tuple[float, float]], ranges: Mapping[Quantity, tuple[float, float]]) -> Plot:
     """The solution box, a bar for each parameter within its range: sides and ranges in SI."""
     axes = new_axes("Solution box", xlabel="part of the range, %", ylabel="")
-    axes.set_position((0.24, 0.125, 0.70, 0.765))
+    names, left, size = room_for_names([of.label for of in sides])
+    axes.set_position((left, 0.125, 0.94 - left, 0.765))
     said = []
     for place, (of, (low, high)) in enumerate(sides.items()):
         least, most = ranges[of]
         start, end = (100.0 * (side - least) / (most - least) for side in (low, high))
         axes.barh(place, 100.0, height=0.34, color="#eeeeee", edgecolor=FAINT, linewidth=0.8)
         axes.barh(place, end - start, left=start, height=0.34, color=_HELD)
-        axes.text(0.5 * (start + end), place - 0.32, f"{of.text(low, unit=False)} to {of.text(high)}", ha="center", va="center")
+        middle = float(np.clip(0.5 * (start + end), _HALF_A_WORD, 100.0 - _HALF_A_WORD))
+        axes.text(middle, place - 0.32, f"{of.text(low, unit=False)} to {of.text(high)}", ha="center", va="center")
         for at, value, ha in ((0.0, least, "left"), (100.0, most, "right")):
-            axes.text(at, place + 0.31, of.text(value, unit=False), ha=ha, va="center", fontsize=8.5, color=FAINT)
+            axes.text(at, place + 0.31, of.text(value, unit=False), ha=ha, va="center", fontsize=8.5)
         said.append(f"{of.name} {of.text(low)} to {of.text(high)} of {of.text(least)} to {of.text(most)}")
-    axes.set_yticks(range(len(sides)), [of.label for of in sides])
+    axes.set_yticks(range(len(sides)), names, fontsize=size)
+    put_title(axes, "Solution box", at=min(left, 0.105))
     axes.set_xlim(-1.0, 101.0)
     axes.set_ylim(len(sides) - 0.4, -0.7)  # the first on top
     axes.grid(visible=False, axis="y")
-    return Plot("box", axes.get_title(loc="left"), "; ".join(said) + ".", done(axes, legend=False))
+    return Plot("box", title_of(axes), "; ".join(said) + ".", done(axes, legend=False))
 
 
 def slice_plot(
@@ -100,7 +104,7 @@ def slice_plot(
         set_ends(least - room, most + room)
     wide, high = (f"{of.text(ends[0])} to {of.text(ends[1])}" for of, ends in zip((x, y), sides, strict=True))
     text = f"{y.label} against {x.label}, {across.size:,} rows with all others in the box, which is {wide} by {high}."
-    return Plot(slug("slice", y.name, x.name), axes.get_title(loc="left"), text, done_above(axes))
+    return Plot(slug("slice", y.name, x.name), title_of(axes), text, done_above(axes))
 
 
 def rare_plot(
@@ -119,7 +123,7 @@ def rare_plot(
         f"{across.size:,} rows drawn where {limit}, {int(beyond.sum()):,} of them beyond it; the likeliest such row has "
         f"{x.name} {x.text(likeliest[0])} and {y.name} {y.text(likeliest[1])}."
     )
-    return Plot(slug("rare", limit, y.name, x.name), axes.get_title(loc="left"), text, done_above(axes))
+    return Plot(slug("rare", limit, y.name, x.name), title_of(axes), text, done_above(axes))
 
 
 _MARKS = ("o", "x", "^", "s", "v", "+")

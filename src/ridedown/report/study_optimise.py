@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ridedown.report.study_axes import Bar, Floats, Quantity, done, limit_level, limit_upright, note, slug
-from ridedown.report.style import FAINT, INK, PALETTE, Plot, new_axes
+from ridedown.report.style import FAINT, INK, PALETTE, WIDTH, Plot, broken, letters, new_axes, title_of
 
 
 def front_plot(
@@ -58,7 +58,7 @@ def front_plot(
         limit_upright(axes, x, limit)
     for limit in limits[1]:
         limit_level(axes, y, limit)
-    return Plot(slug("front", y.name, x.name), axes.get_title(loc="left"), text, done(axes))
+    return Plot(slug("front", y.name, x.name), title_of(axes), text, done(axes))
 
 
 def parallel_plot(
@@ -74,6 +74,10 @@ def parallel_plot(
     axes = new_axes(title or "Designs, parameter by parameter", xlabel="", ylabel="")
     axes.set_position((0.06, 0.19, 0.88, 0.68))
     places = [float(place) for place in range(len(quantities))]
+    apart = min(0.86, 0.88 * WIDTH / max(1, len(quantities) - 1))  # inches
+    names = [broken(quantity.name, ".", 3) for quantity in quantities]
+    ends_said = [quantity.text(end) for quantity, pair in zip(quantities, ends, strict=True) for end in pair]
+    size = min(letters(word, 0.97 * apart, 8.0) for word in (*names, *ends_said))
 
     colours = mpl.colormaps["cividis"](parts[shade])
     for row in np.argsort(-parts[shade]):
@@ -81,7 +85,7 @@ def parallel_plot(
     if chosen is not None:
         axes.plot(places, parts[:, chosen], color=PALETTE[1], linewidth=2.8, marker="o", markersize=5.0, zorder=5)
     for place, quantity, (low, high) in zip(places, quantities, ends, strict=True):
-        axes.axvline(place, color=FAINT, linewidth=0.9, zorder=1)
+        axes.plot([place, place], [0.0, 1.0], color=FAINT, linewidth=0.9, zorder=1)  # no further: there are the words
         for height, value, va in ((1.0, high, "bottom"), (0.0, low, "top")):
             axes.annotate(
                 quantity.text(value),
@@ -90,9 +94,9 @@ def parallel_plot(
                 textcoords="offset points",
                 ha="center",
                 va=va,
-                fontsize=8.0,
+                fontsize=size,
             )
-    axes.set_xticks(places, [_wrapped(quantity.name) for quantity in quantities], fontsize=8.0)
+    axes.set_xticks(places, names, fontsize=size)
     axes.tick_params(axis="x", pad=16, length=0)
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
@@ -104,13 +108,9 @@ def parallel_plot(
     if chosen is not None:
         said = ", ".join(f"{q.name} {q.text(float(column[chosen]))}" for q, column in zip(quantities, values, strict=True))
         text += f" Chosen (thick): {said}."
-    return Plot("parallel", axes.get_title(loc="left"), text, done(axes, legend=False))
+    return Plot("parallel", title_of(axes), text, done(axes, legend=False))
 
 
 def _ends(column: Floats) -> tuple[float, float]:
     low, high = float(np.nanmin(column)), float(np.nanmax(column))
     return (low, high) if high > low else (low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0))
-
-
-def _wrapped(name: str) -> str:
-    return name.replace(".", ".\n") if len(name) > 12 else name

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from ridedown.report.study_axes import LIMIT, Bar, Quantity, done, finite, note, slug
-from ridedown.report.style import INK, PALETTE, Plot, draw_line, new_axes
+from ridedown.report.style import INK, PALETTE, Plot, draw_line, new_axes, title_of
 
 _BINS = 60
 
@@ -54,7 +54,7 @@ def distribution_plot(
         f" Limit, {limit.words(outcome)}{f': {word}' if word else ''}."
         for limit, word in zip(limits, [*said, *[""] * len(limits)], strict=False)
     )
-    return Plot(slug("distribution", outcome.name), axes.get_title(loc="left"), text, done(axes, legend=False))
+    return Plot(slug("distribution", outcome.name), title_of(axes), text, done(axes, legend=False))
 
 
 def cumulative_plot(outcome: Quantity, values: ArrayLike, *, limits: Sequence[Bar] = (), said: Sequence[str] = ()) -> Plot:
@@ -79,7 +79,7 @@ def cumulative_plot(outcome: Quantity, values: ArrayLike, *, limits: Sequence[Ba
         # low on the left, high on the right: where the curve, which falls, is not
         _mark_limit(axes, outcome, limit, said[k] if k < len(said) else "", k, falls=True)
     text = f"Share of rows with a larger {outcome.label}; the vertical axis is logarithmic. {known.size:,} rows."
-    return Plot(slug("exceeded", outcome.name), axes.get_title(loc="left"), text, done(axes, legend=False))
+    return Plot(slug("exceeded", outcome.name), title_of(axes), text, done(axes, legend=False))
 
 
 def _density(outcome: Quantity) -> str:

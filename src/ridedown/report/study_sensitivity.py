@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from ridedown.report.study_axes import Floats, Quantity, done, finite, listed, note, slug
-from ridedown.report.style import HEIGHT, INK, PALETTE, Plot, new_axes
+from ridedown.report.style import HEIGHT, INK, PALETTE, WIDTH, Plot, new_axes, put_title, room_for_names, title_of
 
 _MOST = 15  # parameters that a figure shows
 _SHARE = 0.1
@@ -39,7 +39,7 @@ def index_plot(outcome: str, first: Mapping[str, Interval], total: Mapping[str, 
     axes.legend(loc="lower right", fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
     said = "; ".join(f"{name} total {total[name].value:.3f}, first {first[name].value:.3f}" for name in order)
     text = f"Sobol indices of {outcome}, with intervals. {said}.{_left_out(total)}"
-    return Plot(slug("sobol", outcome), axes.get_title(loc="left"), text, done(axes, legend=False))
+    return Plot(slug("sobol", outcome), title_of(axes), text, done(axes, legend=False))
 
 
 def effect_plot(outcome: Quantity, sizes: Mapping[str, Interval], deviations: Mapping[str, float]) -> Plot:
@@ -56,7 +56,7 @@ def effect_plot(outcome: Quantity, sizes: Mapping[str, Interval], deviations: Ma
     axes.legend(loc="lower right", fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
     said = "; ".join(f"{name} {outcome.text(sizes[name].value)}" for name in order)
     text = f"Mean size of the change of {outcome.label} as a parameter goes through its range: {said}.{_left_out(sizes)}"
-    return Plot(slug("effects", outcome.name), axes.get_title(loc="left"), text, done(axes, legend=False))
+    return Plot(slug("effects", outcome.name), title_of(axes), text, done(axes, legend=False))
 
 
 def tornado_plot(outcome: Quantity, parameters: Mapping[Quantity, ArrayLike], values: ArrayLike) -> Plot:
@@ -94,11 +94,12 @@ def tornado_plot(outcome: Quantity, parameters: Mapping[Quantity, ArrayLike], va
             linewidth=0.4,
             label="largest tenth" if place == 0 else None,
         )
-        for end, value in ((low, ends[quantity][2]), (high, ends[quantity][3])):
-            right = end >= at
-            note(axes, quantity.text(value), (end, place), ha="left" if right else "right", va="center")
+        # one on each side, even where both bars go the same way or have hardly any length: never one over the other
+        (left, of_left), (right, of_right) = sorted(((low, ends[quantity][2]), (high, ends[quantity][3])))
+        note(axes, quantity.text(of_left), (min(left, at), place), ha="right", va="center")
+        note(axes, quantity.text(of_right), (max(right, at), place), ha="left", va="center")
     axes.axvline(at, color=INK, linewidth=0.9)
-    axes.margins(x=0.24)
+    axes.margins(x=_room_beside([quantity.text(end) for quantity in order for end in ends[quantity][2:]], axes))
     axes.legend(loc="lower right", fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
     said = "; ".join(
         f"{q.name} from {outcome.text(ends[q][0])} (at {q.text(ends[q][2])}) "
@@ -106,7 +107,7 @@ def tornado_plot(outcome: Quantity, parameters: Mapping[Quantity, ArrayLike], va
         for q in order
     )
     text = f"Mean of {outcome.label} in the tenth of rows with the least and with the largest values of each parameter: {said}."
-    return Plot(slug("tornado", outcome.name), axes.get_title(loc="left"), text + _left_out(ends), done(axes, legend=False))
+    return Plot(slug("tornado", outcome.name), title_of(axes), text + _left_out(ends), done(axes, legend=False))
 
 
 def _ends(column: Floats, results: Floats) -> tuple[float, float, float, float]:
@@ -117,15 +118,23 @@ def _ends(column: Floats, results: Floats) -> tuple[float, float, float, float]:
     return float(y[least].mean()), float(y[most].mean()), float(x[least].mean()), float(x[most].mean())
 
 
+def _room_beside(words: Sequence[str], axes: Axes) -> float:
+    """Margin on each side of bars, in parts of their length, so that words have room beside them."""
+    widest = 0.09 * max(map(len, words), default=0) + 0.1  # inches
+    part = min(0.4, widest / (axes.get_position().width * WIDTH))
+    return part / (1.0 - 2.0 * part)
+
+
 def _bars(title: str, xlabel: str, names: Sequence[str]) -> Axes:
     axes = new_axes(title, xlabel=xlabel, ylabel="")
     figure = axes.get_figure()
     assert figure is not None
     height = max(HEIGHT, 1.5 + 0.32 * len(names))
     figure.set_size_inches(figure.get_size_inches()[0], height)  # type: ignore[union-attr]
-    left = min(0.4, 0.03 + 0.0115 * max((len(name) for name in names), default=0))
+    written, left, size = room_for_names(names)
     axes.set_position((left, 0.5 / height, 0.968 - left, 1.0 - 0.95 / height))
-    axes.set_yticks(np.arange(len(names)), list(names))
+    axes.set_yticks(np.arange(len(names)), written, fontsize=size)
+    put_title(axes, title, at=min(left, 0.105))
     axes.set_ylim(len(names) + 0.3, -0.6)  # room below for the legend
     axes.grid(visible=False, axis="y")
     return axes

@@ -21,11 +21,13 @@ from ridedown.report.study_axes import (
     limit_upright,
     slug,
 )  # fmt: skip
-from ridedown.report.style import PALETTE, Plot, draw_line, new_axes
+from ridedown.report.style import HEIGHT, PALETTE, WIDTH, Plot, draw_line, letters, new_axes, title_of
 from ridedown.report.tags import Tag, place_tags
 
 _LEVELS = 9  # contours
+_EDGE, _APART = 24.0, 46.0  # between the middle of a label and the edge of the axes, and of two labels, pixels
 _LINES = 7  # lines of a carpet each way; levels in between are left out
+_WORDS = "#005A8E", "#00684C"  # of a carpet: the colours of its lines, darker, so that small letters are legible
 _MAP = "cividis"  # even to the eye, with or without colour vision, and in grey
 
 
@@ -47,7 +49,7 @@ def line_plot(
         f"{outcome.label} against {parameter.label}. Least {outcome.text(y[low])} at {parameter.text(x[low])}, "
         f"largest {outcome.text(y[high])} at {parameter.text(x[high])}."
     )
-    return Plot(slug("line", outcome.name), axes.get_title(loc="left"), said + _kept(outcome, y, limits) + held, done(axes))
+    return Plot(slug("line", outcome.name), title_of(axes), said + _kept(outcome, y, limits) + held, done(axes))
 
 
 def map_plot(
@@ -73,21 +75,24 @@ def map_plot(
     if not flat:
         filled = axes.contourf(across, up, values, levels=_LEVELS, cmap=_MAP)
         lines = axes.contour(across, up, values, levels=filled.levels, colors="white", linewidths=0.6)
-        labels = axes.clabel(lines, fontsize=8.0, fmt="%.4g", colors="black")
-        for label in labels:
-            label.set_bbox({"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8})
         figure = axes.get_figure()
         assert figure is not None
         axes.set_position((0.105, 0.125, 0.745, 0.765))
-        place = figure.add_axes((0.875, 0.125, 0.022, 0.765))
-        bar = figure.colorbar(filled, cax=place)
-        bar.set_label(outcome.label, fontsize=9.0)
+        places = _label_places(axes, lines.allsegs)
+        for label in axes.clabel(lines, fontsize=8.0, fmt="%.4g", colors="black", manual=places) if places else ():
+            label.set_bbox({"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8})
+        bar = figure.colorbar(filled, cax=figure.add_axes((0.875, 0.125, 0.022, 0.765)))
+        bar.set_label(outcome.label, fontsize=letters(outcome.label, 0.97 * HEIGHT, 9.0))
         bar.ax.tick_params(labelsize=8.0)
         for limit in limits:
             _draw_limit(axes, across, up, values, float(outcome.shown(limit.value)), most=limit.most)
         if limits:
             words = "; ".join(limit.words(outcome) for limit in limits)
-            axes.set_title(f"limit {words}; beyond is hatched", loc="right", fontsize=8.5, fontweight="normal", color=LIMIT)
+            said = f"limit {words}; beyond is hatched"
+            axes.annotate(
+                said, (1.0, 1.0), xycoords="axes fraction", xytext=(0, 2), textcoords="offset points",
+                ha="right", va="bottom", fontsize=letters(said, 0.745 * WIDTH, 8.5), color=LIMIT,
+            )  # fmt: skip
     plain = np.asarray(grid, dtype=np.float64)
     said = f"{outcome.label} over {x.label} and {y.label}."
     if not flat:
@@ -98,6 +103,34 @@ def map_plot(
     else:
         said += f" The same everywhere: {outcome.text(float(np.nanmean(plain)))}." if values.count() else " No row has it."
     return Plot(slug("map", outcome.name), f"Map of {outcome.name}", said + _kept(outcome, plain, limits) + held, done(axes))
+
+
+def _label_places(axes: Axes, contours: Sequence[Sequence[Floats]]) -> list[tuple[float, float]]:
+    """Where contours are labelled: near their middles, within the axes, and apart; one that has no such place has no label.
+
+    contours: the pieces of each, (n, 2), in the units of the axes.
+    """
+    frame = axes.get_window_extent()
+    low, high = np.array((frame.x0, frame.y0)) + _EDGE, np.array((frame.x1, frame.y1)) - _EDGE
+    taken: list[Floats] = []
+    for pieces in contours:
+        paths = [_evenly(np.asarray(axes.transData.transform(piece))) for piece in pieces if len(piece) > 1]
+        if not paths:
+            continue
+        path = max(paths, key=lambda one: float(np.hypot(*np.diff(one, axis=0).T).sum()))
+        for k in np.argsort(np.abs(np.arange(len(path)) - 0.5 * len(path)), kind="stable"):
+            place = path[k]
+            if (place > low).all() and (place < high).all() and all(np.hypot(*(place - one)) > _APART for one in taken):
+                taken.append(place)
+                break
+    return [(float(x), float(y)) for x, y in (axes.transData.inverted().transform(place) for place in taken)]
+
+
+def _evenly(path: Floats, count: int = 101) -> Floats:
+    """Points on a line (n, 2), evenly far along it, (count, 2)."""
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    at = np.linspace(0.0, along[-1], count)
+    return np.column_stack([np.interp(at, along, column) for column in path.T])
 
 
 def _draw_limit(axes: Axes, across: Floats, up: Floats, values: Any, level: float, *, most: bool) -> None:
@@ -149,14 +182,14 @@ def carpet_plot(
         known = np.isfinite(across) & np.isfinite(up)
         said += f" {int((known & ~broken).sum())} of {int(known.sum())} designs keep to the limits, which are drawn in."
     figure = done_above(axes)
-    tags = [_tags(axes, lines, PALETTE[2 * n]) for n, lines in enumerate(families)]
+    tags = [_tags(axes, lines, _WORDS[n]) for n, lines in enumerate(families)]
     left_out = place_tags(axes, tags)
     for quantity, size, family in zip((one, other), (first.size, second.size), tags, strict=True):
         if len(family) < size:
             said += f" {len(family)} of {size} values of {quantity.name} are drawn."
         if unnamed := sum(tag in left_out for tag in family):
             said += f" There is no room to name {unnamed} of the {len(family)} lines of equal {quantity.name}."
-    return Plot(slug("carpet", y.name, x.name), axes.get_title(loc="left"), said + held, figure)
+    return Plot(slug("carpet", y.name, x.name), title_of(axes), said + held, figure)
 
 
 def _some(count: int) -> NDArray[np.int64]:

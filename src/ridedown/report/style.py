@@ -7,6 +7,7 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations, pairwise
 from typing import Any
 
 import matplotlib as mpl
@@ -22,6 +23,9 @@ DASHES: tuple[Any, ...] = ("-", (0, (5, 3)), (0, (1.5, 1.5)), (0, (6, 2.5, 1.2, 
 
 WIDTH, HEIGHT = 7.2, 3.9  # inches
 _AXES = (0.105, 0.125, 0.868, 0.765)  # left, bottom, width, height, in parts of the figure
+_REGULAR, _BOLD = 0.61, 0.68  # width of a character of a name, in parts of the size of its letters
+_LEAST_TITLE = 9.0  # points: before it is smaller it is in two lines
+_LONG_NAME = 26  # characters: a longer one is in two lines beside its bar
 _LEGEND_INSIDE = 5  # a legend of more lines would cover them: it goes beside the axes
 INK, GRID, FAINT = "#222222", "#e3e3e3", "#8a8a8a"
 
@@ -92,11 +96,85 @@ def new_axes(title: str, *, xlabel: str, ylabel: str) -> Axes:
         FigureCanvasAgg(figure)
         # fixed places: a layout engine would take most of the time that a figure costs
         axes = figure.add_axes(_AXES)
-        axes.set_title(title)
-        axes.set_xlabel(xlabel)
-        axes.set_ylabel(ylabel)
+        left, bottom, width, height = _AXES
+        put_title(axes, title)
+        axes.set_xlabel(xlabel, fontsize=letters(xlabel, (width + 2.0 * (1.0 - left - width)) * WIDTH))
+        axes.set_ylabel(ylabel, fontsize=letters(ylabel, (height + 2.0 * (1.0 - bottom - height)) * HEIGHT))
         axes.yaxis.set_label_coords(-0.088, 0.5)
     return axes
+
+
+def put_title(axes: Axes, title: str, *, pads: tuple[float, float] = (15.0, 3.0), at: float = _AXES[0]) -> None:
+    """Title of axes, in two lines where one is too long.
+
+    pads: how far above the axes it is, in one line and in two [pt]; at: where it begins, in parts of the figure's width.
+    """
+    room = (0.975 - at) * WIDTH
+    if letters(title, room, 11.0, bold=True) < _LEAST_TITLE:
+        title = broken(title, " ", 2)
+    lines = title.count("\n") + 1
+    place = axes.get_position()
+    axes.set_title(
+        title, x=(at - place.x0) / place.width, fontsize=letters(title, room, 11.0 if lines == 1 else 9.5, bold=True),
+        pad=pads[lines - 1], fontweight="bold", loc="left",
+    )  # fmt: skip
+
+
+def title_of(axes: Axes) -> str:
+    """The title in one line."""
+    return axes.get_title(loc="left").replace("\n", " ")
+
+
+def broken(name: str, after: str, most: int) -> str:
+    r"""A name in lines, `most` at most, broken after a character so that the longest line is as short as can be.
+
+    >>> broken("driver.restraints.belt.second_force", ".", 2)
+    'driver.restraints.\nbelt.second_force'
+    """
+    ends = [k + 1 for k, character in enumerate(name) if character == after]
+    cuts = [chosen for count in range(most) for chosen in combinations(ends, count)]
+    ways = ["\n".join(name[a:b].strip() for a, b in pairwise((0, *chosen, len(name)))) for chosen in cuts]
+    return min(ways, key=lambda way: (max(len(line) for line in way.split("\n")), way.count("\n")))
+
+
+def room_for_ticks(axes: Axes) -> None:
+    """Move the axes aside where the numbers beside them would lie over the label that stands at the edge of the figure."""
+    figure = axes.get_figure()
+    assert figure is not None
+    assert isinstance(figure.canvas, FigureCanvasAgg)
+    renderer = figure.canvas.get_renderer()  # type: ignore[no-untyped-call]
+    low, high = sorted(axes.get_ylim())
+    ticks = zip(axes.yaxis.get_majorticklocs(), axes.yaxis.get_majorticklabels(), strict=True)
+    numbers = [text.get_window_extent(renderer).x0 for at, text in ticks if low <= at <= high and text.get_text()]
+    label = axes.yaxis.label.get_window_extent(renderer)
+    if not axes.get_ylabel() or not numbers or label.x1 + 2.0 <= min(numbers):
+        return
+    aside = (label.x1 + 2.0 - min(numbers)) / figure.bbox.width
+    place = axes.get_position()
+    edge = label.x1 / figure.bbox.width
+    axes.set_position((place.x0 + aside, place.y0, place.width - aside, place.height))
+    axes.yaxis.set_label_coords((edge - place.x0 - aside) / (place.width - aside), 0.5)
+
+
+def letters(text: str, room: float, size: float = 10.0, *, bold: bool = False) -> float:
+    """Size of letters [pt] with which a text fits into its room [inches]: the one given, or smaller.
+
+    >>> letters("peak, g", 3.0), round(letters("driver.chest.acceleration.peak against driver.restraint.stiffness", 3.0), 1)
+    (10.0, 5.4)
+    """
+    longest = max((len(line) for line in text.split("\n")), default=0)
+    return min(size, 72.0 * room / max(1.0, (_BOLD if bold else _REGULAR) * longest))
+
+
+def room_for_names(names: Sequence[str]) -> tuple[list[str], float, float]:
+    """Names beside upright axes: as they are written, long ones in two lines, the part of a figure's width that they take, two
+    fifths at most, and the size of their letters [pt].
+    """
+    names = [broken(name, ".", 2) if len(name) > _LONG_NAME else name for name in names]
+    longest = max((len(line) for name in names for line in name.split("\n")), default=0)
+    widest = _REGULAR * longest * 10.0 / 72.0  # inches
+    most = 0.37 * WIDTH
+    return names, 0.03 + min(widest, most) / WIDTH, min(10.0, 10.0 * most / max(widest, most))
 
 
 def draw_line(axes: Axes, x: Any, y: Any, *, label: str, index: int, dash: int | None = None) -> None:
