@@ -3,7 +3,7 @@
     python benchmarks/vehicles_once.py
 
 P1 with its adult, its child, and both; their restraints differ from row to row. Beside it the same crashes with vehicles that
-differ by a trillionth, so that each row solves its own. Processor time of one thread, the least of several turns, in turn.
+differ by a trillionth, so that each row solves its own. Processor time, of one thread, the least of several turns, in turn.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ VEHICLE = ("vehicle1.acceleration.peak", "vehicle1.displacement.max")
 
 def seconds(crash: CrashScenario, table: Mapping[str, Any], outcomes: tuple[str, ...]) -> float:
     """Processor time of one study [s]."""
-    begin = time.thread_time()
+    begin = time.process_time()
     simulate_many(crash, table, outcomes=outcomes, threads=1)
-    return time.thread_time() - begin
+    return time.process_time() - begin
 
 
 def main() -> None:

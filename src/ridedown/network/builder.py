@@ -188,8 +188,10 @@ def _numbers_of(law: AnyLaw) -> list[Number]:
 
 
 def _columns(values: list[Number], size: int) -> Floats:
-    if size == 1 and not any(isinstance(value, np.ndarray) for value in values):
-        return np.array(values, dtype=np.float64).reshape(len(values), 1)
+    """Shape (n, R). Where every row is one number, it stands once for all columns: they take no room."""
+    if not any(isinstance(value, np.ndarray) for value in values):
+        column = np.array(values, dtype=np.float64).reshape(len(values), 1)
+        return column if size == 1 else np.broadcast_to(column, (len(values), size))
     columns = np.empty((len(values), size))
     for row, value in zip(columns, values, strict=True):
         row[:] = value

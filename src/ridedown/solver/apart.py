@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ridedown.network import Family, Network
-from ridedown.network.model import NUMBERS, Ints
+from ridedown.network.model import NUMBERS, Floats, Ints
 from ridedown.solver.phases import Phases
 from ridedown.solver.workspace import Tracked
 
 _OF_COORDINATE = (Family.POSITION, Family.RATE, Family.ACCELERATION)
+_OF_COORDINATES = ("inertia", "rate")
 _OF_ELEMENTS = ("arm", "stiffness", "damping", "slack", "limit", "payout", "stall")
 _OF_PIECES = ("knot", "force", "slope")
 
@@ -120,14 +121,18 @@ def _group_of(tracked: Tracked, k: int, heavy: NDArray[np.bool_], carrier: Ints,
 
 def _same_in_all_rows(network: Network, part: Part) -> bool:
     """Whether the columns of a part hold one number each; where they do not, the first two rows tell most often."""
-    pieces = _pieces(network, part.elements)
-    for rows in (2, network.size):
-        columns = [network.inertia[part.coordinates, :rows], network.rate[part.coordinates, :rows], network.duration[:rows]]
-        columns += [getattr(network, name)[..., part.elements, :rows] for name in _OF_ELEMENTS]
-        columns += [getattr(network, name)[pieces, :rows] for name in _OF_PIECES]
-        if not all(bool((column == column[..., :1]).all()) for column in columns):
-            return False
-    return True
+    tables = [(getattr(network, name), part.coordinates) for name in _OF_COORDINATES]
+    tables += [(getattr(network, name), part.elements) for name in _OF_ELEMENTS]
+    tables += [(getattr(network, name), _pieces(network, part.elements)) for name in _OF_PIECES]
+    tables += [(network.duration[np.newaxis], np.zeros(1, dtype=np.int64))]
+    return all(_same(table, rows, end) for end in (2, network.size) for table, rows in tables)
+
+
+def _same(table: Floats, rows: Ints, end: int) -> bool:
+    if table.strides[-1] == 0:  # a number that stands for all columns
+        return True
+    part = table[..., rows, :end]
+    return bool((part == part[..., :1]).all())
 
 
 def _pieces(network: Network, elements: Ints) -> Ints:
@@ -141,14 +146,13 @@ def network_of(network: Network, part: Part, phases: Phases | None = None) -> Ne
     pieces = _pieces(network, part.elements)
     timers = np.flatnonzero(np.isin(network.timer_element, part.elements))
     terms, reactions = (_rows(start, part.elements) for start in (network.term_start, network.reaction_start))
-    rows = slice(None) if phases else slice(1)
-    numbers = {name: getattr(network, name)[..., part.elements, rows] for name in _OF_ELEMENTS}
-    numbers |= {name: getattr(network, name)[pieces, rows] for name in _OF_PIECES}
-    numbers |= {name: getattr(network, name)[part.coordinates, rows] for name in ("inertia", "rate")}
-    numbers |= {name: getattr(network, name)[timers, rows] for name in ("timer_time", "timer_value")}
-    numbers |= {name: getattr(network, name)[rows] for name in ("pulse_amplitude", "pulse_length", "duration")}
+    size = network.size if phases else 1
+    numbers: dict[str, Any] = {name: _part_of(getattr(network, name), part.elements, size) for name in _OF_ELEMENTS}
+    numbers |= {name: _part_of(getattr(network, name), pieces, size) for name in _OF_PIECES}
+    numbers |= {name: _part_of(getattr(network, name), part.coordinates, size) for name in _OF_COORDINATES}
+    numbers |= {name: _part_of(getattr(network, name), timers, size) for name in ("timer_time", "timer_value")}
+    numbers |= {name: getattr(network, name)[:size] for name in ("pulse_amplitude", "pulse_length", "duration")}
     assert set(numbers) == set(NUMBERS)
-    arrays: dict[str, Any] = {name: np.ascontiguousarray(column) for name, column in numbers.items()}
     smaller = replace(
         network,
         coordinates=tuple(network.coordinates[i] for i in part.coordinates),
@@ -168,9 +172,17 @@ def network_of(network: Network, part: Part, phases: Phases | None = None) -> Ne
         empty=network.empty[part.elements],
         timer_element=of_element[network.timer_element[timers]],
         timer_action=network.timer_action[timers],
-        **arrays,
+        **numbers,
     )
     return smaller if phases is None else _driven(smaller, network, part, phases)
+
+
+def _part_of(table: Floats, rows: Ints, size: int) -> Floats:
+    """Those rows of a table, of so many columns."""
+    if table.strides[-1] != 0:
+        return table[..., rows, :size]
+    part = table[..., rows, :1]
+    return np.broadcast_to(part, (*part.shape[:-1], size))
 
 
 def _driven(smaller: Network, network: Network, part: Part, phases: Phases) -> Network:

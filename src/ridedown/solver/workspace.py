@@ -316,14 +316,17 @@ def _quiet(network: Network, tracked: Tracked) -> Ints:
 
 
 def numbers_of(network: Network) -> Numbers:
-    """The numbers of a network as the kernels take them."""
-    table = np.ascontiguousarray
+    """The numbers of a network as the kernels take them: columns of their own, where a number stands for many."""
+
+    def table(column: Floats) -> Floats:
+        return np.require(column, requirements=("C", "W"))
+
     return Numbers(
         inertia=table(network.inertia),
         rate=table(network.rate),
         arm=table(network.arm),
-        coefficients=_coefficients(network),
-        pieces=np.stack((network.knot, network.force, network.slope)),
+        coefficients=table(_coefficients(network)),
+        pieces=table(np.stack((network.knot, network.force, network.slope))),
         timer_time=table(network.timer_time),
         timer_value=table(network.timer_value),
         pulse_amplitude=table(network.pulse_amplitude),
