@@ -155,8 +155,7 @@ def test_values_beside_a_bar_without_length_are_both_legible():
     strong, idle = rng.uniform(20e3, 100e3, 2000), rng.uniform(0.1, 0.9, 2000)
     plot = tornado_plot(WAY, {STIFFNESS: strong, RATIO: idle}, strong / 1e5)
     plot.figure.canvas.draw()
-    renderer = plot.figure.canvas.get_renderer()
-    words = [Text.get_window_extent(text, renderer) for text in axes_of(plot).texts]
+    words = [Text.get_window_extent(text) for text in axes_of(plot).texts]
     assert len(words) == 4
     assert not any(one.overlaps(other) for one, other in combinations(words, 2))
 
@@ -172,8 +171,8 @@ def test_labels_of_contours_are_whole_and_apart(count):
     stiff, damped = np.meshgrid(k, z)
     plot = map_plot(STIFFNESS, RATIO, WAY, k, z, 0.3 + stiff / 1e6 + 0.2 * damped)
     plot.figure.canvas.draw()
-    renderer, frame = plot.figure.canvas.get_renderer(), axes_of(plot).get_window_extent()
-    words = [text.get_window_extent(renderer) for text in axes_of(plot).texts]
+    frame = axes_of(plot).get_window_extent()
+    words = [text.get_window_extent() for text in axes_of(plot).texts]
     assert len(words) >= 5
     assert not any(one.overlaps(other) for one, other in combinations(words, 2))
     assert all(frame.x0 < one.x0 and one.x1 < frame.x1 and frame.y0 < one.y0 and one.y1 < frame.y1 for one in words)
@@ -221,6 +220,16 @@ def test_bound_curve_has_the_design_above_it(bound):
     np.testing.assert_allclose(axes_of(plot).lines[0].get_ydata(), bound.peaks / G)
     assert labels_of(plot) == ["least possible", "the same with no seat behind", "belt", "OLC"]
     assert f"{100 * bound.gaps[0].ratio:.0f} %" in plot.description
+
+
+def test_designs_that_are_close_to_each_other_are_told_apart(bound):
+    near = [Design(f"belt {k}", 300.0 + 2.0 * k, 0.25 + 0.005 * k) for k in range(4)]
+    plot = study_bound.curve_plot(bound_study(load("sled-half-sine"), np.linspace(0.05, 0.4, 8), designs=near))
+    plot.figure.canvas.draw()
+    words = [text for text in axes_of(plot).texts if text.get_text()]
+    extents = [Text.get_window_extent(text) for text in words]
+    assert len(words) >= 2
+    assert not any(one.overlaps(other) for one, other in combinations(extents, 2))
 
 
 def test_ideal_history_never_passes_the_bound(bound):
@@ -333,7 +342,7 @@ def figures_with_long_names():
         "front": front_plot(a, b, ([0.2, 0.3], [300.0, 250.0]), chosen=1, beside={"as built": (0.25, 290.0)}),
         "parallel": parallel_plot([x, y, a, b] * 2, [one, one, one, one] * 2, chosen=0),
         "tried": tried_plot(x, a, one, one, held, (0.5, 0.5)),
-        "progress": progress_plot(a, np.arange(30), one, held),
+        "progress": progress_plot(a, np.linspace(0.0, 17.6e6, 30), one, held),
         "box": box_plot(sides, ranges),
         "slice": slice_plot(x, y, (1e5 * one, 1e5 * one), {words: held}, tuple(sides.values()), tuple(ranges.values())),
         "rare": rare_plot(x, y, (one, one), held, (0.5, 0.5), words),

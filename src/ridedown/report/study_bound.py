@@ -8,6 +8,7 @@ from ridedown.criteria.occupant_load import FREE_FLIGHT, RESTRAINED
 from ridedown.report.study_axes import LIMIT, Quantity, done, note
 from ridedown.report.style import FAINT, INK, PALETTE, Plot, draw_line, new_axes, title_of
 from ridedown.report.tables import Column, Table, number
+from ridedown.report.tags import Tag, place_tags
 from ridedown.studies.bound import BoundStudy
 
 _MS, _MM = 1e3, 1e3
@@ -29,14 +30,14 @@ def curve_plot(study: BoundStudy) -> Plot:
     if not np.array_equal(study.unlimited, study.peaks):
         draw_line(axes, across, _PEAK.shown(study.unlimited), label="the same with no seat behind", index=5, dash=1)
     said = "The least peak deceleration that any restraint could give on this pulse, against the excursion."
+    tags: list[Tag] = []
     for k, one in enumerate(study.gaps):
         x, y, least = (
             float(v) for v in (_WAY.shown(one.design.excursion), _PEAK.shown(one.design.peak), _PEAK.shown(one.bound.peak))
         )
         axes.annotate("", (x, least), (x, y), arrowprops={"arrowstyle": "->", "color": FAINT, "linewidth": 1.0})
         axes.plot([x], [y], _BUILT[k % len(_BUILT)], color=PALETTE[1 + k % 4], markersize=8.0, label=one.design.name, zorder=4)
-        far = x > float(np.quantile(across, 0.7))
-        note(axes, f"{y:.1f} g; least {least:.1f} g", (x, y), ha="right" if far else "left")
+        tags.append(Tag(f"{y:.1f} g; least {least:.1f} g", np.array([x, x]), np.array([least, y]), INK))
         said += f" {one.design.name}: {y:.1f} g within {x:.0f} mm, where {least:.1f} g are possible, {100.0 * one.ratio:.0f} %."
     if study.olc is not None:
         axes.plot(
@@ -49,6 +50,7 @@ def curve_plot(study: BoundStudy) -> Plot:
     figure = done(axes)
     # below the curve, where no design can be and none is marked
     axes.legend(loc="lower left", ncols=2, fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
+    place_tags(axes, [tags])  # one without a place is in the words and in the table
     return Plot("bound-curve", title_of(axes), said, figure)
 
 

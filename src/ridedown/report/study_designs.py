@@ -46,6 +46,8 @@ def progress_plot(goal: Quantity, rows: ArrayLike, up: ArrayLike, held: Truths, 
     best = (np.maximum if largest else np.minimum).accumulate(np.where(held, np.asarray(up, dtype=np.float64), worst))
     known = np.isfinite(best)
     axes = new_axes(f"{goal.name}: the best so far", xlabel="rows computed", ylabel=goal.label)
+    axes.locator_params(axis="x", nbins=6)
+    axes.xaxis.set_major_formatter("{x:,.0f}")
     axes.step(np.asarray(rows)[known], goal.shown(best[known]), where="post", color=_HELD, linewidth=1.8)
     text = f"The best {goal.name} so far against the rows computed"
     if known.any():

@@ -12,6 +12,7 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -138,14 +139,16 @@ def broken(name: str, after: str, most: int) -> str:
 
 
 def room_for_ticks(axes: Axes) -> None:
-    """Move the axes aside where the numbers beside them would lie over the label that stands at the edge of the figure."""
+    """Make the axes narrower where numbers would lie over the label at the left edge of the figure, or reach over the right."""
     figure = axes.get_figure()
     assert figure is not None
     assert isinstance(figure.canvas, FigureCanvasAgg)
     renderer = figure.canvas.get_renderer()  # type: ignore[no-untyped-call]
-    low, high = sorted(axes.get_ylim())
-    ticks = zip(axes.yaxis.get_majorticklocs(), axes.yaxis.get_majorticklabels(), strict=True)
-    numbers = [text.get_window_extent(renderer).x0 for at, text in ticks if low <= at <= high and text.get_text()]
+    place = axes.get_position()
+    beyond = max((box.x1 for box in _numbers(axes.xaxis, renderer)), default=0.0) + 2.0 - figure.bbox.width
+    if beyond > 0.0:
+        axes.set_position((place.x0, place.y0, place.width - beyond / figure.bbox.width, place.height))
+    numbers = [box.x0 for box in _numbers(axes.yaxis, renderer)]
     label = axes.yaxis.label.get_window_extent(renderer)
     if not axes.get_ylabel() or not numbers or label.x1 + 2.0 <= min(numbers):
         return
@@ -154,6 +157,13 @@ def room_for_ticks(axes: Axes) -> None:
     edge = label.x1 / figure.bbox.width
     axes.set_position((place.x0 + aside, place.y0, place.width - aside, place.height))
     axes.yaxis.set_label_coords((edge - place.x0 - aside) / (place.width - aside), 0.5)
+
+
+def _numbers(axis: Axis, renderer: Any) -> list[Any]:
+    """Where the numbers of an axis are that are seen, pixels."""
+    low, high = sorted(axis.get_view_interval())
+    ticks = zip(axis.get_majorticklocs(), axis.get_majorticklabels(), strict=True)
+    return [text.get_window_extent(renderer) for at, text in ticks if low <= at <= high and text.get_text()]
 
 
 def letters(text: str, room: float, size: float = 10.0, *, bold: bool = False) -> float:
