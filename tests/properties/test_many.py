@@ -149,6 +149,21 @@ def test_a_row_that_fails_does_not_touch_the_others() -> None:
             np.testing.assert_array_equal(ill[name][others], well[name][others], err_msg=name)
 
 
+def test_nor_do_occupants_that_fail_in_vehicles_solved_once() -> None:
+    stiffness = np.linspace(20e3, 200e3, 40)
+    failing = np.array([7, 20, 39])
+    spoilt = stiffness.copy()
+    spoilt[failing] = 1e300
+    well, ill = (simulate_many(load("p1"), {"adult.restraint.stiffness": column}) for column in (stiffness, spoilt))
+    assert np.flatnonzero(~ill.completed).tolist() == failing.tolist()
+    others = np.setdiff1d(np.arange(40), failing)
+    for name in well:
+        np.testing.assert_array_equal(ill[name][others], well[name][others], err_msg=name)
+    for row in failing:
+        alone = simulate_many(load("p1"), {"adult.restraint.stiffness": spoilt[row]})
+        equal(alone, ill, np.array([row]))
+
+
 def test_rows_are_those_of_single_crashes() -> None:
     columns = table(30)
     outcomes = simulate_many(load("p1"), columns)
