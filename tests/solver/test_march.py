@@ -157,6 +157,36 @@ def test_parts_that_move_together_until_one_is_stopped_do_not_chatter() -> None:
     assert many.failures() == {}
 
 
+def test_two_members_that_give_way_in_turn_settle() -> None:
+    # a light bar stands against two jumps, and is pushed and turned: it leans on one of them, and leaves the other
+    jump = {"initial_force": 20e3, "pieces": [{"stiffness": 100e3}]}
+    crash = CrashScenario(
+        duration=0.1,
+        vehicle1={
+            "mass": 1325.0,
+            "speed": 5.0,
+            "right": {"initial_force": 20e3, "pieces": [{"stiffness": 400e3}]},
+            "left": {"pieces": [{"stiffness": 160e3}]},
+        },
+        vehicle2={"mass": 1500.0, "speed": 0.0, "members": jump},
+        bar={
+            "mass": 16.0,
+            "inertia": 157.0,
+            "rail_spacing": 1.1,
+            "lateral_offset": 0.6,
+            "lever_arm": "printed",
+            "speed": 0.0,
+        },
+    )
+    response = simulate(crash)
+    assert_members_follow(response)
+    soon = 0.5e-3
+    assert response.at("vehicle2.right.deflection", soon) < 0.0
+    assert response.at("vehicle2.right.force", soon) == 0.0
+    assert response.at("vehicle2.left.deflection", soon) > 0.0
+    assert response.at("vehicle2.left.force", soon) > 20e3
+
+
 def test_every_stop_but_a_full_record_is_a_status() -> None:
     assert {stop.value for stop in Stop} - {Stop.RECORD_FULL.value} == {status.value for status in Status}
     for status in Status:

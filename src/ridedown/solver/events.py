@@ -18,7 +18,7 @@ GAP_ROUND_OFF = 1e-14  # m
 RATE_ROUND_OFF = 1e-13  # m/s
 ACCELERATION_ROUND_OFF = 1e-11  # m/s2
 _SAME = 1e-13  # of the step: at one instant, within round-off
-_IDLE_ALL = 6  # steps of no length in which every negative guard may change its mode at once; then one at a time
+_IDLE_ALL = 6  # steps of no length in which every negative guard may change its mode at once; then one at a time, in turn
 NO, YES = 0.0, 1.0
 """Whether a step goes on to its pause, as a number of the lane."""
 _FIRST, _LATEST, _SOONEST = ((DEGREE + n) * STRIDE for n in (1, 2, 3))
@@ -81,6 +81,7 @@ def find(
             step[l], last[l] = 0.0, NO
             idle[l] += 1.0
             if idle[l] > _IDLE_ALL:
+                pending[l] = pending[row(int(idle[l]) % pending_count[l]) + l]
                 pending_count[l] = 1
         elif found_count[l] > 0 and (power[_FIRST + l] < 1.0 or last[l] == NO):  # rule 5
             step[l] *= power[_FIRST + l]
