@@ -9,7 +9,7 @@ from ridedown import Outcomes, load, simulate, simulate_many
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.network import channels
 from ridedown.outcomes import wanted
-from ridedown.scenario import lower, substitute
+from ridedown.scenario import NetworkScenario, lower, substitute
 from ridedown.status import Status
 
 
@@ -134,6 +134,21 @@ def test_a_sample_at_an_event_is_the_value_just_after_it() -> None:
     before, after = force["adult.restraint.force"][0, 1:]
     assert before == 0.0
     assert after > 100.0  # the damper engages at once
+
+
+def test_the_end_of_a_crash_is_sampled_however_its_last_step_is_rounded() -> None:
+    # one that leaves the wall early goes on to the end in a single step: to 0.11 s, give or take the last bit
+    wall = NetworkScenario(
+        duration=0.11,
+        masses=[{"name": "m", "mass": 100.0, "speed": 5.0}],
+        elements=[{"name": "front", "between": ["wall", "m"], "law": "kelvin-voigt", "stiffness": 1e7}],
+    )
+    stiffness = np.geomspace(3e6, 1e9, 500)
+    many = simulate_many(
+        wall, {"front.stiffness": stiffness}, outcomes=["m.velocity.final"], samples=["m.velocity"], times=[0.0, 0.11]
+    )
+    assert many.completed.all()
+    np.testing.assert_allclose(many.samples["m.velocity"], np.array([[5.0, -5.0]] * 500), rtol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from ridedown.compiled import inlined, kernel, part
 from ridedown.network import Family
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import polynomial, together
+from ridedown.solver.events import NO
 from ridedown.solver.layout import BEST, DEGREE, STRIDE, WHEN, Cube, Table, at, extreme_at, row
 from ridedown.solver.vector import WIDTH, first_lane, lanes_of, load, spread, store, where
 
@@ -30,8 +31,8 @@ _ORDER = np.arange(DEGREE + 1.0)
 def track_all(
     lanes: int, tracked_start: Ints, tracked_family: Ints, tracked_index: Ints, tracked_weight: Floats, tracked_sense: Ints,
     q: Floats, acc: Floats, d: Floats, f: Floats, series: Floats, time: Floats, step: Floats, power: Floats,
-    extreme: Floats, falling: Floats, owner: Ints, poly: Floats, room: Table, crash: Ints, until: Floats,
-    sample_time: Floats, sampled: Ints, samples: Cube,
+    extreme: Floats, falling: Floats, owner: Ints, poly: Floats, room: Table, crash: Ints, until: Floats, pause: Floats,
+    last: Floats, sample_time: Floats, sampled: Ints, samples: Cube,
 ) -> None:  # fmt: skip
     """Raise every tracked extreme by what this step holds, and take the samples that lie in it.
 
@@ -53,32 +54,33 @@ def track_all(
             _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series)
             source, base = series, 0
         if tracked_sense[k] == SAMPLED:
-            _sample(lanes, source, base, taken, crash, until, time, step, sample_time, sampled, samples)
+            _sample(lanes, source, base, taken, crash, until, pause, last, time, step, sample_time, sampled, samples)
             taken += 1
             continue
         _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, falling, owner, poly, room)
     if taken > 0:
         for l in range(lanes):
             if crash[l] >= 0:
-                sampled[l] = _sampled_by(l, until, time, step, sample_time, sampled)
+                sampled[l] = _sampled_by(l, until, pause, last, time, step, sample_time, sampled)
 
 
 @part
-def _sampled_by(l, until, time, step, sample_time, sampled):
+def _sampled_by(l, until, pause, last, time, step, sample_time, sampled):
     """How many samples lane l has after this step. One at an event counts to the step after it."""
-    n, end = sampled[l], time[l] + step[l]
+    n = sampled[l]
+    end = pause[l] if last[l] > NO else time[l] + step[l]  # to the last bit what `stepping.advance` makes of it
     while n < sample_time.size and step[l] > 0.0 and (sample_time[n] < end or end >= until[l] >= sample_time[n]):
         n += 1
     return n
 
 
 @part
-def _sample(lanes, source, base, number, crash, until, time, step, sample_time, sampled, samples):
+def _sample(lanes, source, base, number, crash, until, pause, last, time, step, sample_time, sampled, samples):
     """Samples of a quantity, whose series has its row of order 0 at `base` in `source`, at the times in this step."""
     for l in range(lanes):
         if crash[l] < 0:
             continue
-        for n in range(sampled[l], _sampled_by(l, until, time, step, sample_time, sampled)):
+        for n in range(sampled[l], _sampled_by(l, until, pause, last, time, step, sample_time, sampled)):
             t = sample_time[n] - time[l]
             value = source[base + row(DEGREE) + l]
             for j in range(DEGREE - 1, -1, -1):
