@@ -130,10 +130,12 @@ def test_a_search_has_what_it_found_and_not_the_spread_of_its_rows(tmp_path):
     drawn = {"path": STIFFNESS["path"], "distribution": {"kind": "uniform", "lower": "60 kN/m", "upper": "90 kN/m"}}
     goals = [{"outcome": outcome} for outcome in OUTCOMES]
     several = {"objectives": goals, "candidates": 8, "generations": 4}
-    one = {**several, "objectives": goals[:1], "constraints": [{"outcome": OUTCOMES[1], "most": "20 g"}]}
+    share = {"outcome": OUTCOMES[1], "measure": "probability", "above": "25 g", "most": 0.5}
+    one = {**several, "objectives": goals[:1], "constraints": [{"outcome": OUTCOMES[1], "most": "20 g"}, share]}
+    people = [{"values": {"adult.mass": "60 kg"}}, {"values": {"adult.mass": "80 kg"}}]
     studies = {
         "front": {**common, "kind": "optimise", "optimise": several},
-        "one": {**common, "kind": "optimise", "optimise": one},
+        "one": {**common, "kind": "optimise", "optimise": one, "population": people},
         "box": {**common, "kind": "box", "limits": limits, "box": {"rounds": 3, "rows": 16, "bad_share": 0.2}},
         "rare": {
             **common, "kind": "sample", "parameters": [drawn], "limits": limits,
@@ -154,4 +156,5 @@ def test_a_search_has_what_it_found_and_not_the_spread_of_its_rows(tmp_path):
         assert "seed 0" in html
         words = {"front": "The knee of a front of", "one": "at an end of its range", "box": "200 mm", "rare": "Effective rows"}
         assert words[name] in html
+        assert (f">share with {OUTCOMES[1]} &gt; 25 g<" in html) == (name == "one")
         assert " &lt;= " not in html.split("<pre", 1)[0]  # limits are said in words, in the unit that is read

@@ -71,6 +71,14 @@ class Found:
         """A limit in words, in the unit that is read."""
         return f"{limit['outcome']} {_bar(limit).words(self.quantities[limit['outcome']])}"
 
+    def _named(self, constraint: Mapping[str, Any]) -> str:
+        """What a constraint is on; of a share the value that it is beyond is in the unit that is read."""
+        beyond, outcome = constraint.get("beyond"), constraint["outcome"]
+        if beyond is None:
+            return str(constraint["of"])
+        sign, value = (">", beyond["most"]) if beyond["most"] is not None else ("<", beyond["least"])
+        return f"share with {outcome} {sign} {self.quantities[outcome].text(value)}"
+
     def _design(self) -> Table:
         columns = (
             Column("Chosen design", numeric=False), Column("Unit", numeric=False), Column("Value"), Column("From"), Column("To")
@@ -99,7 +107,7 @@ class Found:
                 sought = "as large as can be" if one["sense"] == "max" else "as small as can be"
                 rows.append((of.name, of.read_in or NONE, of.text(chosen["objectives"][of.name], unit=False), sought))
             for one in self.results["constraints"]:
-                of = Quantity(one["of"], one["unit"])
+                of = Quantity(self._named(one), one["unit"])
                 value = chosen["constraints"][one["words"]]
                 rows.append((of.name, of.read_in or NONE, of.text(value, unit=False), _bar(one).words(of)))
         caption = "What it comes to" if chosen and chosen["feasible"] else "What it comes to: not all that is asked for"

@@ -162,6 +162,8 @@ def test_a_robust_optimisation_is_what_the_function_finds(tmp_path):
         },
     }
     said = read_results(run_study(study, tmp_path / "out"))
+    assert said is not None
+    assert [one["beyond"] for one in said["constraints"]] == [{"most": 0.25, "least": None}]
     plan = plan_of(load_study(study))
     direct = optimise(
         plan.function,

@@ -105,7 +105,7 @@ def _optimised(loaded: LoadedStudy, options: OptimiseOptions, plan: Plan, evalua
         ],
         "constraints": [
             {"words": one.words, "of": one.measure.words(one.outcome), "outcome": one.outcome, "unit": _unit(one, plan)}
-            | {"most": one.most, "least": one.least}
+            | {"most": one.most, "least": one.least, "beyond": _beyond(one)}
             for one in requirements
         ],
         "ranges": {name: list(ends) for name, ends in ranges.items()},
@@ -285,6 +285,11 @@ def _measured(where: str, given: Measured, units: Mapping[str, str]) -> tuple[st
     if beyond:
         measures["probability"] = Beyond(**beyond)
     return names[0], measures[given.measure]
+
+
+def _beyond(one: Requirement) -> dict[str, float | None] | None:
+    """The values of the outcome, SI, that a share is beyond; none of another measure."""
+    return {"most": one.measure.most, "least": one.measure.least} if isinstance(one.measure, Beyond) else None
 
 
 def _unit(one: Goal | Requirement, plan: Plan) -> str:
