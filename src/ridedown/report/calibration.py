@@ -18,7 +18,7 @@ from ridedown.report.pdf import pdf as set_on_paper
 from ridedown.report.style import PALETTE, Plot, draw_line, finish, new_axes
 from ridedown.studies import Calibrated
 from ridedown.studies.calibration.fitted import FittedChannel
-from ridedown.studies.calibration.wording import SHOWN, in_words
+from ridedown.studies.calibration.wording import SHOWN, in_case, in_words
 
 Floats = NDArray[np.float64]
 
@@ -117,11 +117,12 @@ def plots(found: Calibrated) -> tuple[Plot, ...]:
 
 
 def _plots(found: Calibrated) -> Iterator[Plot]:
+    several = len({channel.case for channel in found.channels}) > 1
     for channel in found.channels:
-        yield _curve(channel)
+        yield _curve(channel, in_case(channel.name, channel.case, several=several))
     for channel in found.channels:
         if channel.fitted and channel.measured is not None:
-            yield _residual(channel)
+            yield _residual(channel, in_case(channel.name, channel.case, several=several))
     if len(found.parameters) > 1:
         yield _correlations(found)
     if found.posterior is not None:
@@ -136,9 +137,9 @@ def _scaled(channel: FittedChannel) -> tuple[str, float]:
     return SHOWN.get(channel.unit, (channel.unit, 1.0))
 
 
-def _curve(channel: FittedChannel) -> Plot:
+def _curve(channel: FittedChannel, named: str) -> Plot:
     unit, scale = _scaled(channel)
-    title = f"{channel.case}: {channel.name}" + ("" if channel.fitted else " (predicted)")
+    title = named + ("" if channel.fitted else " (predicted)")
     axes = new_axes(title, xlabel="time, ms", ylabel=f"{_quantity(channel)}, {unit}")
     times = 1e3 * channel.times
     wide = bool(np.any(channel.wide_high > channel.high))
@@ -163,9 +164,9 @@ def _shade(axes: Axes, times: Floats, low: Floats, high: Floats, alpha: float, l
     axes.fill_between(times, low, high, color=PALETTE[_MODEL], alpha=alpha, linewidth=0.0, label=label)
 
 
-def _residual(channel: FittedChannel) -> Plot:
+def _residual(channel: FittedChannel, named: str) -> Plot:
     unit, scale = _scaled(channel)
-    title = f"{channel.case}: {channel.name}, model less measured"
+    title = f"{named}, model less measured"
     axes = new_axes(title, xlabel="time, ms", ylabel=f"difference, {unit}")
     assert channel.measured is not None
     assert channel.rms is not None

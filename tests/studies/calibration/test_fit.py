@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ridedown.errors import InvalidInput, UnknownName
+from ridedown.report.calibration import plots
 from ridedown.scenario import load, substitute
 from ridedown.simulation import simulate
 from ridedown.studies import calibrate
@@ -115,6 +116,8 @@ def test_one_restraint_in_two_tests_with_a_speed_of_each():
     assert list(done.values) == ["stiffness", "slack", "damping", "speed (fast)", "speed (slow)"]
     assert done.values["speed (fast)"] == pytest.approx(13.33, rel=0.02)
     assert done.values["speed (slow)"] == pytest.approx(9.0, rel=0.02)
+    titles = [plot.title for plot in plots(done) if plot.name.startswith("channel-")]
+    assert titles == ["adult.acceleration (fast)", "adult.acceleration (slow)"]
     assert done.values["stiffness"] == pytest.approx(TRUE[STIFFNESS], rel=0.02)
 
 

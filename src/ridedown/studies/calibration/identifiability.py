@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ridedown.studies.calibration.fitted import Confounded, Help
 from ridedown.studies.calibration.uncertainty import Uncertainty
 from ridedown.studies.calibration.unknowns import Unknown, points_of, values_of
-from ridedown.studies.calibration.wording import in_words
+from ridedown.studies.calibration.wording import in_case, in_words
 
 Floats = NDArray[np.float64]
 
@@ -153,14 +153,11 @@ def _sentence(
             f"What is measured stays nearly the same with {moved}."
         )
     if helps:
-        listed = ", ".join(f"{_named(h, several=several)} to {100.0 * min(1.0, 2.0 * h.with_it):.0f} %" for h in helps)
+        listed = ", ".join(
+            f"{in_case(h.channel, h.case, several=several)} to {100.0 * min(1.0, 2.0 * h.with_it):.0f} %" for h in helps
+        )
         return f"{said} Measuring one of these as well would narrow the band: {listed}."
     return f"{said} No channel of these crashes would tell much more: fix it, or add a test of another kind."
-
-
-def _named(one: Help, *, several: bool) -> str:
-    """A channel, and where there are several tests, that of which one: the channel itself says whose it is."""
-    return f'{one.channel} in "{one.case}"' if several else one.channel
 
 
 def _moved(unknowns: Sequence[Unknown], point: Floats, members: tuple[int, ...], direction: Floats) -> str:

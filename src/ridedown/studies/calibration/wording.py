@@ -26,6 +26,15 @@ def in_words(value: float | None, unit: str) -> str:
     return f"{four(scale * value)} {shown}".strip()
 
 
+def in_case(channel: str, case: str, *, several: bool) -> str:
+    """A channel, with its case where there are several; not where that only says again whose the channel is.
+
+    >>> in_case("adult.acceleration", "slow", several=True), in_case("driver.belt.force", "driver", several=True)
+    ('adult.acceleration (slow)', 'driver.belt.force')
+    """
+    return f"{channel} ({case})" if several and not channel.startswith(f"{case}.") else channel
+
+
 def four(value: float) -> str:
     """Four significant digits, with a true minus sign."""
     digits = f"{value:.4g}"
