@@ -187,6 +187,13 @@ def test_compiled_side_by_side_and_not_again_when_called(small):
     assert kept(small) == before
 
 
+@pytest.mark.parametrize(("processors", "missing"), [(1, "missing"), (2, "missing[:1]")])
+def test_what_one_process_compiles_is_kept_too(small, processors, missing):
+    code = SIDE_BY_SIDE.replace("lambda: 2", f"lambda: {processors}").replace("side(missing)", f"side({missing})")
+    code = code.replace("in name] == []", f"in name] == [name for name in missing if name not in {missing}]")
+    run(small, code)
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_what_compiles_side_by_side_ends_with_the_process_that_began_it(small):
     with start(small, BEGUN) as process:

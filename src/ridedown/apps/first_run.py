@@ -19,6 +19,9 @@ def compile_side_by_side(kernels: Sequence[str]) -> None:
     """Compile kernels and keep them. What cannot be done so is compiled when it is called."""
     processes = min(_processors(), _MOST_PROCESSES, len(kernels))
     if processes < 2:
+        # here, and all of them: one that this run does not call would be said to be compiled at every run
+        for name in kernels:
+            build(name)
         return
     try:
         with ProcessPoolExecutor(processes, get_context("spawn"), _begin) as pool:
