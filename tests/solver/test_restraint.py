@@ -424,3 +424,12 @@ def test_of_a_level_top_the_first_point_is_the_peak() -> None:
     assert when == pytest.approx(slips, abs=1e-12)  # where the limiter holds again, the force is the same but for round-off
     many = simulate_many(limited, {"driver.shoulder-belt.slack": np.full(40, 0.03)}, outcomes=[f"{who}.max_time"])
     np.testing.assert_allclose(many[f"{who}.max_time"], slips, rtol=1e-9)
+
+
+def test_a_bag_may_empty_too() -> None:
+    timers = ((0.0, 50.0), (0.02, 0.0), (0.05, -10.0), (0.1, 0.0))
+    bag = spring(40e3, empty=True, timers=tuple(Timer(Action.FILL, time, rate) for time, rate in timers))
+    times = np.array([0.0601, 0.0701, 0.0801])
+    solved = Solved(sled(bag))
+    share = solved.at("driver.0.force", times) / (40e3 * solved.at("driver.0.deflection", times))
+    np.testing.assert_allclose(share, 1.0 - 10.0 * (times - 0.05), rtol=1e-9)

@@ -183,7 +183,7 @@ def _restrain(lanes, j, e, empty, rests, term_start, term_coordinate, term_sign,
         if empty[e] != 0:
             force *= load(line, line_at(e, FILL) + l)
             filling = load(line, line_at(e, FILLING) + l)
-            if j > 0 and lanes_of(filling > 0.0) != 0:
+            if j > 0 and lanes_of(abs(filling) > 0.0) != 0:
                 force += filling * _line_of(e, j - 1, order - 1.0, l, line, d)
         store(f, to + l, force)
 
