@@ -16,7 +16,7 @@ from ridedown.scenario.kinds import S
 from ridedown.solver.solve import solve_many, solve_one
 from ridedown.status import Status
 
-_SPAN = 32_768  # crashes lowered and solved at a time: this bounds the memory
+_SPAN = 65_536  # crashes lowered and solved at a time: this bounds the memory
 _SAMPLES = 2**23  # of all channels of a span
 
 
