@@ -18,8 +18,8 @@ from ridedown.network.model import NUMBERS, Floats, Ints
 from ridedown.solver.phases import Phases
 from ridedown.solver.workspace import Tracked
 
-_OF_COORDINATE = (Family.POSITION, Family.RATE, Family.ACCELERATION)
-_OF_COORDINATES = ("inertia", "rate")
+_OF_MOTION = (Family.POSITION, Family.RATE, Family.ACCELERATION)
+_OF_COORDINATE = ("inertia", "rate")
 _OF_ELEMENTS = ("arm", "stiffness", "damping", "slack", "limit", "payout", "stall")
 _OF_PIECES = ("knot", "force", "slope")
 
@@ -106,7 +106,7 @@ def _group_of(tracked: Tracked, k: int, heavy: NDArray[np.bool_], carrier: Ints,
     groups, vehicles = set(), set()
     for n in range(tracked.start[k], tracked.start[k + 1]):
         index = int(tracked.item[n])
-        if tracked.family[n] not in _OF_COORDINATE:
+        if tracked.family[n] not in _OF_MOTION:
             groups.add(int(of_element[index]))
         elif heavy[index]:
             vehicles.add(index)
@@ -121,7 +121,7 @@ def _group_of(tracked: Tracked, k: int, heavy: NDArray[np.bool_], carrier: Ints,
 
 def _same_in_all_rows(network: Network, part: Part) -> bool:
     """Whether the columns of a part hold one number each; where they do not, the first two rows tell most often."""
-    tables = [(getattr(network, name), part.coordinates) for name in _OF_COORDINATES]
+    tables = [(getattr(network, name), part.coordinates) for name in _OF_COORDINATE]
     tables += [(getattr(network, name), part.elements) for name in _OF_ELEMENTS]
     tables += [(getattr(network, name), _pieces(network, part.elements)) for name in _OF_PIECES]
     tables += [(network.duration[np.newaxis], np.zeros(1, dtype=np.int64))]
@@ -149,7 +149,7 @@ def network_of(network: Network, part: Part, phases: Phases | None = None) -> Ne
     size = network.size if phases else 1
     numbers: dict[str, Any] = {name: _part_of(getattr(network, name), part.elements, size) for name in _OF_ELEMENTS}
     numbers |= {name: _part_of(getattr(network, name), pieces, size) for name in _OF_PIECES}
-    numbers |= {name: _part_of(getattr(network, name), part.coordinates, size) for name in _OF_COORDINATES}
+    numbers |= {name: _part_of(getattr(network, name), part.coordinates, size) for name in _OF_COORDINATE}
     numbers |= {name: _part_of(getattr(network, name), timers, size) for name in ("timer_time", "timer_value")}
     numbers |= {name: getattr(network, name)[:size] for name in ("pulse_amplitude", "pulse_length", "duration")}
     assert set(numbers) == set(NUMBERS)
@@ -215,9 +215,7 @@ def tracked_of(network: Network, tracked: Tracked, part: Part) -> Tracked:
     return Tracked(
         start=_starts(tracked.start, part.quantities),
         family=tracked.family[kept],
-        item=np.where(
-            np.isin(tracked.family[kept], _OF_COORDINATE), coordinate[tracked.item[kept]], element[tracked.item[kept]]
-        ),
+        item=np.where(np.isin(tracked.family[kept], _OF_MOTION), coordinate[tracked.item[kept]], element[tracked.item[kept]]),
         weight=tracked.weight[kept],
         sense=tracked.sense[part.quantities],
         sample_time=tracked.sample_time,
