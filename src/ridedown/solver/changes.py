@@ -10,7 +10,7 @@ import numpy as np
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import laws, restraint, series
-from ridedown.solver.layout import DEGREE, GD0, Cube, Table, at, guard_at, row
+from ridedown.solver.layout import DEGREE, GD0, NUMBER, Cube, Table, at, guard_at, mode_at, row
 
 TIMER = -1
 """What the log has for the mode before, where a timer went off; after it, the timer's number."""
@@ -26,7 +26,7 @@ def change_modes(
     for l in range(lanes):
         if steps[l] == 0.0 and crash[l] >= 0:
             for e in range(law.size):
-                if law[e] != laws.LINEAR and mode[row(e) + l] == laws.OPEN and _closes_in(e, l, d, guard):
+                if law[e] != laws.LINEAR and mode[mode_at(e, NUMBER) + l] == laws.OPEN and _closes_in(e, l, d, guard):
                     _change(
                         e, 2 * e, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard,
                         memory, mode, log,
@@ -59,7 +59,7 @@ def _change(
     e, g, l, number, time, d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
 ):  # fmt: skip
     """Guard g, of element e, has turned negative in lane l: into the mode on its other side, and note the event down."""
-    before = mode[row(e) + l]
+    before = mode[mode_at(e, NUMBER) + l]
     here, rate = d[at(e, 0) + l], d[at(e, 1) + l]
     if law[e] == laws.RESTRAINT:
         which = g - 2 * e if g // 2 == e else g - 2 * second_pair[e] + 2

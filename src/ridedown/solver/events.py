@@ -11,8 +11,32 @@ from __future__ import annotations
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import laws, polynomial, series, together
-from ridedown.solver.layout import DEGREE, DRIFT, G0, GA, GD0, GV0, STRIDE, A, B, Table, at, guard_at, row
-from ridedown.solver.vector import ALL_LANES, WIDTH, first_lane, lanes_of, load, spread, store, where
+from ridedown.solver.layout import (
+    BENDS,
+    DEGREE,
+    DOWN,
+    DRIFT,
+    FASTER,
+    G0,
+    GA,
+    GD0,
+    GV0,
+    NEEDS,
+    RATES,
+    SLOWER,
+    STRIDE,
+    UP,
+    A,
+    B,
+    Table,
+    at,
+    bend_at,
+    guard_at,
+    guard_of,
+    mode_at,
+    row,
+)
+from ridedown.solver.vector import ALL_LANES, WIDTH, first_lane, lanes_of, load, spread, store, union, where
 
 GAP_ROUND_OFF = 1e-14  # m
 RATE_ROUND_OFF = 1e-13  # m/s
@@ -30,8 +54,8 @@ POWER_ROWS = DEGREE + 7
 @kernel
 def find(
     lanes: int, law: Ints, pair_element: Ints, second_pair: Ints, rests: Ints, coordinates: int, term_start: Ints,
-    term_coordinate: Ints, term_sign: Floats, lever: Ints, arm: Floats, q: Floats, tan: Floats, bend: Floats, guard: Floats,
-    d: Floats, crash: Ints, last: Floats, idle: Floats, step: Floats, power: Floats, found: Ints, root: Floats,
+    term_coordinate: Ints, term_sign: Floats, lever: Ints, arm: Floats, q: Floats, tan: Floats, bend: Floats, mode: Ints,
+    guard: Floats, d: Floats, crash: Ints, last: Floats, idle: Floats, step: Floats, power: Floats, found: Ints, root: Floats,
     found_count: Ints, pending: Ints, pending_count: Ints, falling: Floats, owner: Ints, shape: Floats, poly: Floats,
     room: Table,
 ) -> None:  # fmt: skip
@@ -53,14 +77,16 @@ def find(
             if law[e] == laws.ELASTIC:
                 suspects = _suspects_of_curve(block, e, guard, d, power)
             elif law[e] == laws.RESTRAINT:
-                if _keeps_its_mode(
-                    block, e, second_pair[e], coordinates, term_start, term_coordinate, term_sign, lever, arm, bend, guard, d,
-                    power,
-                ):  # fmt: skip
-                    continue
-                if rests[row(e) + block] != 0:
+                needs, known = union(mode, mode_at(e, NEEDS) + block), rests[row(e) + block] == 0
+                if needs & RATES != 0 and not known:
                     series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
-                suspects = _suspects_of_restraint(block, e, second_pair[e], guard, d, power)
+                    known = True
+                suspects = _suspects_of_restraint(
+                    block, e, second_pair[e], needs, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend,
+                    guard, d, power,
+                )  # fmt: skip
+                if suspects != 0 and not known:
+                    series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
             else:
                 suspects = _suspects(block, e, guard, d, power)
             for n in range(4 if law[e] == laws.RESTRAINT else 2):
@@ -70,7 +96,7 @@ def find(
                 if count > STRIDE - WIDTH:
                     _note_all(count, falling, owner, power, found, root, found_count)
                     count = 0
-                g = 2 * (e if n < 2 else second_pair[e]) + n % 2
+                g = guard_of(e, second_pair[e], n)
                 count = _examine(
                     g, e, block, bits, _SOONEST + n * STRIDE, guard, d, crash, power, found, root, found_count, pending,
                     pending_count, falling, owner, count, shape, poly, room,
@@ -136,8 +162,9 @@ def _suspects(block, e, guard, d, power):
         rate = (j + 1.0) * then * scale
         dip += min(a * now + b * rate, 0.0)
         dip2 += min(u * now + w * rate, 0.0)
-    first = _unclear(a, b, start, slope, dip, power, _SOONEST + block, 0.0)
-    return first | (_unclear(u, w, start2, slope2, dip2, power, _SOONEST + STRIDE + block, 0.0) << WIDTH)
+    least, least2 = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b), GAP_ROUND_OFF * abs(u) + RATE_ROUND_OFF * abs(w)
+    first = _unclear(least, start, slope, dip, power, _SOONEST + block)
+    return first | (_unclear(least2, start2, slope2, dip2, power, _SOONEST + STRIDE + block) << WIDTH)
 
 
 @inlined
@@ -154,98 +181,92 @@ def _suspects_of_curve(block, e, guard, d, power):
         size += abs(c)
     down, up = 0.5 * (total - size), 0.5 * (total + size)
     start, start2 = a * (now - load(guard, guard_at(g, GD0) + block)), u * (now - load(guard, guard_at(h, GD0) + block))
-    none = spread(0.0)
-    first = _unclear(a, none, start, a * slope, min(a * down, a * up), power, _SOONEST + block, 0.0)
-    return first | (_unclear(u, none, start2, u * slope, min(u * down, u * up), power, _SOONEST + STRIDE + block, 0.0) << WIDTH)
+    least, least2 = GAP_ROUND_OFF * abs(a), GAP_ROUND_OFF * abs(u)
+    first = _unclear(least, start, a * slope, min(a * down, a * up), power, _SOONEST + block)
+    return first | (_unclear(least2, start2, u * slope, min(u * down, u * up), power, _SOONEST + STRIDE + block) << WIDTH)
 
 
 @inlined
-def _keeps_its_mode(block, e, pair, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend, guard, d, power):
-    """Whether no guard of a restraint can turn negative in any lane of a block, by how far its coordinates can stray."""
-    away, faster = spread(0.0), spread(0.0)
-    for n in range(term_start[e], term_start[e + 1]):
-        i, weight = 2 * term_coordinate[n], abs(term_sign[n])
-        away += weight * load(bend, row(i) + block)
-        faster += weight * load(bend, row(i + 1) + block)
-    if lever[e] >= 0:
-        i, weight = 2 * (coordinates + lever[e]), abs(load(arm, row(e) + block))
-        away += weight * load(bend, row(i) + block)
-        faster += weight * load(bend, row(i + 1) + block)
-    here, rate, length = load(d, at(e, 0) + block), load(d, at(e, 1) + block), load(power, row(1) + block)
-    for n in range(4):
-        g = 2 * (e if n < 2 else pair) + n % 2
-        a, b = load(guard, guard_at(g, A) + block), load(guard, guard_at(g, B) + block)
-        if lanes_of(abs(load(guard, guard_at(g, GA) + block)) > 0.0) != 0:
-            return False
-        start = load(guard, guard_at(g, G0) + block) + a * (here - load(guard, guard_at(g, GD0) + block))
-        start += b * (rate - load(guard, guard_at(g, GV0) + block))
-        slope = a * (rate + load(guard, guard_at(g, DRIFT) + block)) * length
-        if _unclear(a, b, start, slope, -(abs(a) * away + abs(b) * faster), power, _SOONEST + block, 0.0) != 0:
-            return False
-    return True
+def _suspects_of_restraint(
+    block, e, pair, needs, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend, guard, d, power
+):  # fmt: skip
+    """The same of those guards of a restraint that can turn negative, by how far its coordinates can bend in the step.
 
-
-@part
-def _suspects_of_restraint(block, e, pair, guard, d, power):
-    """The same of the four guards of a restraint: those of its second pair come last.
-
-    How far deflection, rate and acceleration can go down and up in the step is summed once for all of them.
+    Where its guards look at the rate, its deflections of orders 2 and up must be there.
     """
+    down, up, slower, faster = _bounds(block, e, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend)
     o, p = at(e, 0) + block, row(1) + block
-    bends, rates = spread(0.0), spread(0.0)  # whether any guard looks at the acceleration, or the rate
-    for n in range(4):
-        g = 2 * (e if n < 2 else pair) + n % 2
-        bends += abs(load(guard, guard_at(g, GA) + block))
-        rates += abs(load(guard, guard_at(g, B) + block))
-    down, up = _range(o, 0, p, d, power)
-    down_rate, up_rate = spread(0.0), spread(0.0)
-    if lanes_of(rates > 0.0) != 0:
-        down_rate, up_rate = _range(o, 1, p, d, power)
-    down_bend, up_bend = spread(0.0), spread(0.0)
-    if lanes_of(bends > 0.0) != 0:
-        down_bend, up_bend = _range(o, 2, p, d, power)
-    here, rate, bend = load(d, o), load(d, o + STRIDE), 2.0 * load(d, o + 2 * STRIDE)
-    bend_rate, length = 6.0 * load(d, o + 3 * STRIDE), load(power, p)
+    here, rate, length = load(d, o), load(d, o + STRIDE), load(power, p)
+    bend_now, bend_rate, down_bend, up_bend = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+    if needs & RATES != 0:
+        bend_now = 2.0 * load(d, o + 2 * STRIDE)
+    if needs & BENDS != 0:
+        bend_rate = 6.0 * load(d, o + 3 * STRIDE)
+        down_bend, up_bend = _range_of_acceleration(o, p, d, power)
     suspects = 0
     for n in range(4):
-        g = 2 * (e if n < 2 else pair) + n % 2
-        a, b, ga = (
-            load(guard, guard_at(g, A) + block),
-            load(guard, guard_at(g, B) + block),
-            load(guard, guard_at(g, GA) + block),
-        )
+        if (needs >> n) & 1 == 0:
+            continue
+        g = guard_of(e, pair, n)
+        a = load(guard, guard_at(g, A) + block)
         start = load(guard, guard_at(g, G0) + block) + a * (here - load(guard, guard_at(g, GD0) + block))
-        start += b * (rate - load(guard, guard_at(g, GV0) + block)) + ga * bend
-        slope = (a * (rate + load(guard, guard_at(g, DRIFT) + block)) + b * bend + ga * bend_rate) * length
-        dip = min(a * down, a * up) + min(b * down_rate, b * up_rate) + min(ga * down_bend, ga * up_bend)
-        more = ACCELERATION_ROUND_OFF * abs(ga)
-        suspects |= _unclear(a, b, start, slope, dip, power, _SOONEST + n * STRIDE + block, more) << (n * WIDTH)
+        slope = a * (rate + load(guard, guard_at(g, DRIFT) + block))
+        dip = min(a * down, a * up)
+        round_off = GAP_ROUND_OFF * abs(a)
+        if needs & RATES != 0:
+            b = load(guard, guard_at(g, B) + block)
+            start += b * (rate - load(guard, guard_at(g, GV0) + block))
+            slope += b * bend_now
+            dip += min(b * slower, b * faster)
+            round_off += RATE_ROUND_OFF * abs(b)
+        if needs & BENDS != 0:
+            ga = load(guard, guard_at(g, GA) + block)
+            start += ga * bend_now
+            slope += ga * bend_rate
+            dip += min(ga * down_bend, ga * up_bend)
+            round_off += ACCELERATION_ROUND_OFF * abs(ga)
+        suspects |= _unclear(round_off, start, slope * length, dip, power, _SOONEST + n * STRIDE + block) << (n * WIDTH)
     return suspects
 
 
 @inlined
-def _range(o, times, p, d, power):
-    """How far a deflection's derivative, of order `times`, can go down and up in the step, beyond its first two terms."""
+def _bounds(block, e, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend):
+    """How far down and up the deflection of an element can go in the step beyond its straight course, and its rate."""
+    down, up, slower, faster = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+    first, terms = term_start[e], term_start[e + 1] - term_start[e]
+    for n in range(terms if lever[e] < 0 else terms + 1):
+        levered = n == terms
+        i = coordinates + lever[e] if levered else term_coordinate[first + n]
+        weight = load(arm, row(e) + block) if levered else spread(term_sign[first + n])
+        lower, upper = weight * load(bend, bend_at(i, DOWN) + block), weight * load(bend, bend_at(i, UP) + block)
+        down += min(lower, upper)
+        up += max(lower, upper)
+        lower, upper = weight * load(bend, bend_at(i, SLOWER) + block), weight * load(bend, bend_at(i, FASTER) + block)
+        slower += min(lower, upper)
+        faster += max(lower, upper)
+    return down, up, slower, faster
+
+
+@inlined
+def _range_of_acceleration(o, p, d, power):
+    """How far a deflection's second derivative can go down and up in the step, beyond its first two terms."""
     total, size = spread(0.0), spread(0.0)
-    for j in range(2, DEGREE + 1 - times):
-        c = load(d, o + (j + times) * STRIDE) * load(power, p + (j - 1) * STRIDE)
-        if times == 1:
-            c *= j + 1.0
-        elif times == 2:
-            c *= (j + 1.0) * (j + 2.0)
+    for j in range(2, DEGREE - 1):
+        c = ((j + 1.0) * (j + 2.0)) * load(d, o + (j + 2) * STRIDE) * load(power, p + (j - 1) * STRIDE)
         total += c
         size += abs(c)
     return 0.5 * (total - size), 0.5 * (total + size)
 
 
 @inlined
-def _unclear(a, b, start, slope, dip, power, soonest, more):
-    round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b) + more
+def _unclear(round_off, start, slope, dip, power, soonest):
+    """In which lanes a guard may start or turn negative, as bits: by its start, its slope, and how far it can bend down."""
     fall = min(slope, 0.0) + dip
     stays = (start > round_off) & (start + fall > 0.0)
-    store(power, soonest, where(start > round_off, start / -fall, 0.0))
     leaves = (abs(start) <= round_off) & (slope > round_off) & (slope + dip > 0.0)  # zero at the start, and rising
-    return lanes_of(stays | leaves) ^ ALL_LANES
+    suspects = lanes_of(stays | leaves) ^ ALL_LANES
+    store(power, soonest, where(start > round_off, start / -fall, 0.0))
+    return suspects
 
 
 @inlined

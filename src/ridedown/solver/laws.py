@@ -27,7 +27,25 @@ from __future__ import annotations
 
 from ridedown.compiled import inlined
 from ridedown.network import Law
-from ridedown.solver.layout import D0, F0, GD0, GV0, LATCH, PIECE, SET, V0, A, B, C, K, guard_at, line_at, memory_at, row
+from ridedown.solver.layout import (
+    D0,
+    F0,
+    GD0,
+    GV0,
+    LATCH,
+    NUMBER,
+    PIECE,
+    SET,
+    V0,
+    A,
+    B,
+    C,
+    K,
+    guard_at,
+    line_at,
+    memory_at,
+    mode_at,
+)
 
 LINEAR, KELVIN_VOIGT, THRESHOLD, ELASTIC, PLASTIC, RESTRAINT = (int(law) for law in Law)
 
@@ -89,7 +107,7 @@ def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guar
         c = damping if after == DAMPED else 0.0
         d1 = slack
         a2, b2, d2, v2 = 0.0, 1.0 if after == DAMPED else -1.0, 0.0, v_star
-    mode[row(e) + l] = after
+    mode[mode_at(e, NUMBER) + l] = after
     line[line_at(e, K) + l] = k
     line[line_at(e, C) + l] = c
     line[line_at(e, D0) + l] = d0
@@ -113,7 +131,7 @@ def next_mode(e, l, crash, second, d, v, law, piece_start, coefficients, pieces,
 
     d, v: its deflection and rate at the event.
     """
-    now = mode[row(e) + l]
+    now = mode[mode_at(e, NUMBER) + l]
     if law[e] == KELVIN_VOIGT:
         if now == TAUT:
             return CLIPPED

@@ -37,6 +37,19 @@ that the belt is in but for its reel; whether its damper alone gives the limiter
 the rate of its pull and whether it is stalled."""
 MEMORY_ROWS = 12
 
+NUMBER, NEEDS = range(2)
+"""Rows of a law's mode: its number, and what a restraint in it needs looked at, as bits."""
+MODE_ROWS = 2
+
+GUARDED, RATES, BENDS, MOVES, PUSHES = 15, 16, 32, 64, 128
+"""What a mode of a restraint needs: bit n for guard n of its four, if that can turn negative; guards that look at the rate, or
+at the acceleration too; something that moves with time; a force."""
+
+DOWN, UP, SLOWER, FASTER = range(4)
+"""Rows of a bend: how far a coordinate, or a bar's tangent, can go down and up in a step beyond its straight course, and its
+rate."""
+BEND_ROWS = 4
+
 BEST, WHEN = range(2)
 """Rows of a tracked extreme: the best so far, and its time."""
 EXTREME_ROWS = 2
@@ -64,6 +77,24 @@ def line_at(e, part):
 def guard_at(g, part):
     """Start of a row of a guard; pair p has guards 2 p and 2 p + 1. Element e has pair e; a restraint has another."""
     return (g * GUARD_ROWS + part) * STRIDE
+
+
+@inlined
+def guard_of(e, pair, n):
+    """Guard n, 0 to 3, of restraint e, whose second pair of guards is `pair`."""
+    return 2 * (e if n < 2 else pair) + n % 2
+
+
+@inlined
+def bend_at(i, part):
+    """Start of a row of how a coordinate bends; the bars come after the coordinates."""
+    return (i * BEND_ROWS + part) * STRIDE
+
+
+@inlined
+def mode_at(e, part):
+    """Start of a row of the mode that an element is in."""
+    return (e * MODE_ROWS + part) * STRIDE
 
 
 @inlined

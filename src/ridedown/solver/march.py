@@ -136,7 +136,7 @@ def march(
             )  # fmt: skip
 
         if restrained and not recorded:
-            series.rest(lanes, law, quiet, empty, line, f, rests)
+            series.rest(lanes, law, quiet, mode, f, rests)
         series.expand(
             lanes, conjugate, law, empty, rests, parent, driven, term_start, term_coordinate, term_sign, lever, pull_start,
             pull_element, pull_sign, bars, bar_of, arm, inverse_inertia, line, q, tan, sec2, turn, moment, d, f, acc,
@@ -146,10 +146,10 @@ def march(
             lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, trial, q, tan, step, last, power
         )
         if restrained:
-            stepping.bends(lanes, parent.size, bars.size, q, tan, power, bend)
+            stepping.bends(lanes, parent.size, bars.size, q, tan, step, power, bend)
         events.find(
             lanes, law, pair_element, second_pair, rests, parent.size, term_start, term_coordinate, term_sign, lever, arm, q,
-            tan, bend, guard, d, crash, last, idle, step, power, found, root, found_count, pending, pending_count,
+            tan, bend, mode, guard, d, crash, last, idle, step, power, found, root, found_count, pending, pending_count,
             falling, owner, shape, poly, room,
         )  # fmt: skip
         stepping.powers(lanes, step, power)
@@ -164,7 +164,7 @@ def march(
         stepping.advance(lanes, parent.size, step, last, pause, time, steps, idle, q, scale)
         for e in range(law.size):
             if law[e] == laws.RESTRAINT:
-                stepping.move_on(lanes, e, second_pair[e], step, line, guard, memory)
+                stepping.move_on(lanes, e, second_pair[e], step, mode, line, guard, memory)
 
         full = recorded and (kept[0] >= phases.shape[0] or int(log[0, 0]) + 1 >= log.shape[0])
         for block in range(0, lanes, WIDTH):

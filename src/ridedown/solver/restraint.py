@@ -28,8 +28,10 @@ import numpy as np
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network import Action
 from ridedown.network.model import Floats, Ints
+from ridedown.solver import layout
 from ridedown.solver.layout import (
     BARE,
+    BENDS,
     BRANCH,
     D0,
     DRIFT,
@@ -38,12 +40,18 @@ from ridedown.solver.layout import (
     G0,
     GA,
     GD0,
+    GUARDED,
     GV0,
     LATCH,
+    MOVES,
+    NEEDS,
+    NUMBER,
     PAYOUT,
     PIECE,
     PULL,
+    PUSHES,
     RATE,
+    RATES,
     REEL,
     SET,
     STAGE,
@@ -55,9 +63,10 @@ from ridedown.solver.layout import (
     Cube,
     K,
     guard_at,
+    guard_of,
     line_at,
     memory_at,
-    row,
+    mode_at,
 )
 
 LOCK, PULL_1, PULL_2, STAGE_2, FILL = (int(action) for action in Action)
@@ -82,7 +91,7 @@ def enter(
 ) -> None:  # fmt: skip
     """Put restraint e of lane l into mode `after`: its line of force and its four guards, of pair e and of `pair`."""
     first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
-    mode[row(e) + l] = after
+    mode[mode_at(e, NUMBER) + l] = after
     branch = int(memory[memory_at(e, BRANCH) + l]) if after > count + UNLOADING else after
     k, e0, f0 = _branch(e, l, crash, branch, first, count, coefficients, pieces, memory)
     c, unloads = coefficients[DAMPING, e, crash], coefficients[STIFFNESS, e, crash] > 0.0
@@ -90,80 +99,88 @@ def enter(
     touch = shift + max(memory[memory_at(e, SET) + l], 0.0)
     pull = _pull(e, l, memory)
     d0 = shift + e0
-    for g in (2 * e, 2 * e + 1, 2 * pair, 2 * pair + 1):
-        _guard(g, l, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, guard)
+    needs = 0
     if after == OPEN:
-        _line(e, l, 0.0, 0.0, 0.0, 0.0, pull, line)
-        _guard(2 * e, l, -1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, guard)
+        needs = _guard(0, e, l, -1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, pair, guard)
+        needs |= _line(e, l, 0.0, 0.0, 0.0, 0.0, pull, line)
     elif after <= count + UNLOADING:
-        _line(e, l, k, c, d0, f0, pull, line)
         goes_on = after < count
         if after > count:
-            _guard(2 * e, l, 1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, guard)
-            _guard(2 * e + 1, l, -1.0, 0.0, shift + memory[memory_at(e, LATCH) + l], 0.0, 0.0, 0.0, pull, guard)
+            needs = _guard(0, e, l, 1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, pair, guard)
+            needs |= _guard(1, e, l, -1.0, 0.0, shift + memory[memory_at(e, LATCH) + l], 0.0, 0.0, 0.0, pull, pair, guard)
         else:
             if unloads:
-                _guard(2 * e, l, 0.0, 1.0, 0.0, -pull, 0.0, 0.0, 0.0, guard)
+                needs = _guard(0, e, l, 0.0, 1.0, 0.0, -pull, 0.0, 0.0, 0.0, pair, guard)
             else:
-                _guard(2 * e, l, 1.0, 0.0, d0, 0.0, 0.0, 0.0, pull, guard)
+                needs = _guard(0, e, l, 1.0, 0.0, d0, 0.0, 0.0, 0.0, pull, pair, guard)
             if goes_on:
-                _guard(2 * e + 1, l, -1.0, 0.0, shift + pieces[KNOT, first + after, crash], 0.0, 0.0, 0.0, pull, guard)
+                next_piece = shift + pieces[KNOT, first + after, crash]
+                needs |= _guard(1, e, l, -1.0, 0.0, next_piece, 0.0, 0.0, 0.0, pull, pair, guard)
         low, high = _low(e, l, crash, coefficients, memory), _high(e, l, crash, coefficients, memory)
         if low > 0.0 or c > 0.0:
-            _guard(2 * pair, l, k, c, d0, 0.0, f0 - low, 0.0, pull, guard)
+            needs |= _guard(2, e, l, k, c, d0, 0.0, f0 - low, 0.0, pull, pair, guard)
         if high < _NEVER:
-            _guard(2 * pair + 1, l, -k, -c, d0, 0.0, high - f0, 0.0, pull, guard)
+            needs |= _guard(3, e, l, -k, -c, d0, 0.0, high - f0, 0.0, pull, pair, guard)
+        needs |= _line(e, l, k, c, d0, f0, pull, line)
     elif after == count + CLIPPED:
-        _line(e, l, 0.0, 0.0, 0.0, 0.0, pull, line)
-        _guard(2 * e, l, -k, -c, d0, 0.0, -f0, 0.0, pull, guard)
-        _guard(2 * e + 1, l, 1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, guard)
+        needs = _guard(0, e, l, -k, -c, d0, 0.0, -f0, 0.0, pull, pair, guard)
+        needs |= _guard(1, e, l, 1.0, 0.0, touch, 0.0, 0.0, 0.0, pull, pair, guard)
         if branch <= count and unloads:
-            _guard(2 * pair, l, 0.0, 1.0, 0.0, -pull, 0.0, 0.0, 0.0, guard)
+            needs |= _guard(2, e, l, 0.0, 1.0, 0.0, -pull, 0.0, 0.0, 0.0, pair, guard)
         elif 1 < branch <= count:
-            _guard(2 * pair, l, 1.0, 0.0, d0, 0.0, 0.0, 0.0, pull, guard)
+            needs |= _guard(2, e, l, 1.0, 0.0, d0, 0.0, 0.0, 0.0, pull, pair, guard)
         if branch < count:
-            _guard(2 * pair + 1, l, -1.0, 0.0, shift + pieces[KNOT, first + branch, crash], 0.0, 0.0, 0.0, pull, guard)
+            next_piece = shift + pieces[KNOT, first + branch, crash]
+            needs |= _guard(3, e, l, -1.0, 0.0, next_piece, 0.0, 0.0, 0.0, pull, pair, guard)
+        needs |= _line(e, l, 0.0, 0.0, 0.0, 0.0, pull, line)
     elif after == count + FREE:
-        _line(e, l, 0.0, 0.0, 0.0, 0.0, 0.0, line)
+        needs = _line(e, l, 0.0, 0.0, 0.0, 0.0, 0.0, line)
     else:
-        _enter_given(
+        needs = _enter_given(
             e, l, crash, after - count, first, count, k, c, e0, f0, pull, coefficients, pieces, pair, line, guard, memory
         )
+    gone = mode[mode_at(e, NEEDS) + l] & ~needs & GUARDED
+    for n in range(4):
+        if (gone >> n) & 1 != 0:  # can turn negative no more
+            _guard(n, e, l, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, pair, guard)
+    mode[mode_at(e, NEEDS) + l] = needs
 
 
 @part
 def _enter_given(e, l, crash, kind, first, count, k, c, e0, f0, pull, coefficients, pieces, pair, line, guard, memory):
-    """A mode in which the force is given and the reel gives way: slipping, or held by a pretensioner."""
+    """A mode in which the force is given and the reel gives way, slipping or held by a pretensioner; what it needs."""
     force = _given(e, crash, kind, coefficients)
     bare = memory[memory_at(e, BARE) + l] > 0.0
+    needs = _line(e, l, 0.0, 0.0, 0.0, force, 0.0, line)
     if kind >= HELD_1:
         n = kind - HELD_1
         rate = memory[memory_at(e, RATE + n) + l]
         others = pull - (0.0 if memory[memory_at(e, STALLED + n) + l] > 0.0 else rate)
-        _guard(2 * e, l, 0.0, k, 0.0, -(others + rate), 0.0, c, 0.0, guard)
-        _guard(2 * e + 1, l, 0.0, -k, 0.0, -others, 0.0, -c, 0.0, guard)
+        needs |= _guard(0, e, l, 0.0, k, 0.0, -(others + rate), 0.0, c, 0.0, pair, guard)
+        needs |= _guard(1, e, l, 0.0, -k, 0.0, -others, 0.0, -c, 0.0, pair, guard)
     else:
         most = coefficients[PAYOUTS + kind - SLIPPING_1, e, crash]
         if bare:
-            _guard(2 * e, l, 0.0, c, 0.0, 0.0, -force, 0.0, 0.0, guard)
+            needs |= _guard(0, e, l, 0.0, c, 0.0, 0.0, -force, 0.0, 0.0, pair, guard)
         else:
-            _guard(2 * e, l, 0.0, k, 0.0, -pull, 0.0, c, 0.0, guard)
+            needs |= _guard(0, e, l, 0.0, k, 0.0, -pull, 0.0, c, 0.0, pair, guard)
         if most < _NEVER:  # payout so far and what the reel gives from here on: w less (elongation + slack - d)
             left = most - memory[memory_at(e, PAYOUT) + l] - memory[memory_at(e, REEL) + l] + coefficients[SLACK, e, crash]
             left += max(memory[memory_at(e, SET) + l], 0.0) if bare else e0 + (force - f0) / k
-            _guard(2 * e + 1, l, -1.0, 0.0 if bare else -c / k, 0.0, 0.0, left, 0.0, 0.0, guard)
+            needs |= _guard(1, e, l, -1.0, 0.0 if bare else -c / k, 0.0, 0.0, left, 0.0, 0.0, pair, guard)
     if c > 0.0 and not bare:
         branch = int(memory[memory_at(e, BRANCH) + l])
         if branch <= count and coefficients[STIFFNESS, e, crash] > 0.0:  # it grows no longer: on to the unloading line
-            _guard(2 * pair, l, 0.0, 0.0, 0.0, 0.0, 0.0, -c, 0.0, guard)
+            needs |= _guard(2, e, l, 0.0, 0.0, 0.0, 0.0, 0.0, -c, 0.0, pair, guard)
         else:
-            _guard(2 * pair, l, 0.0, -c, 0.0, 0.0, force - f0, 0.0, 0.0, guard)
+            needs |= _guard(2, e, l, 0.0, -c, 0.0, 0.0, force - f0, 0.0, 0.0, pair, guard)
         if branch < count:
-            _guard(2 * pair + 1, l, 0.0, c, 0.0, 0.0, pieces[FORCE, first + branch, crash] - force, 0.0, 0.0, guard)
+            above = pieces[FORCE, first + branch, crash] - force
+            needs |= _guard(3, e, l, 0.0, c, 0.0, 0.0, above, 0.0, 0.0, pair, guard)
         elif branch > count:
             top = k * (memory[memory_at(e, LATCH) + l] - memory[memory_at(e, SET) + l])
-            _guard(2 * pair + 1, l, 0.0, c, 0.0, 0.0, top - force, 0.0, 0.0, guard)
-    _line(e, l, 0.0, 0.0, 0.0, force, 0.0, line)
+            needs |= _guard(3, e, l, 0.0, c, 0.0, 0.0, top - force, 0.0, 0.0, pair, guard)
+    return needs
 
 
 @kernel
@@ -173,7 +190,7 @@ def next_mode(
 ) -> int:  # fmt: skip
     """The mode on the other side of guard `which` (0 to 3) of restraint e; takes down what it must remember."""
     first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
-    now = mode[row(e) + l]
+    now = mode[mode_at(e, NUMBER) + l]
     if now == OPEN:
         for n in range(2):
             memory[memory_at(e, STALLED + n) + l] = 0.0
@@ -295,7 +312,7 @@ def settle(
 ) -> None:  # fmt: skip
     """Where the reel is, of a restraint that slips or is held: its line, fixed there, gives the force that it has."""
     count = piece_start[e + 1] - piece_start[e]
-    now = mode[row(e) + l]
+    now = mode[mode_at(e, NUMBER) + l]
     if not count + SLIPPING_1 <= now <= count + HELD_2:
         return
     branch = int(memory[memory_at(e, BRANCH) + l])
@@ -330,9 +347,11 @@ def fire(
 ) -> None:  # fmt: skip
     """A timer of restraint e goes off: do what its action says."""
     count = piece_start[e + 1] - piece_start[e]
-    now = mode[row(e) + l]
+    now = mode[mode_at(e, NUMBER) + l]
     if action == FILL:
         line[line_at(e, FILLING) + l] = value
+        needs = mode_at(e, NEEDS) + l
+        mode[needs] = (mode[needs] & ~(MOVES | PUSHES)) | _needs_of_line(e, l, line)
         return
     if action == LOCK:
         if now != count + FREE:
@@ -434,18 +453,33 @@ def _what_pulls_again(e, l, crash, coefficients, memory):
     return HELD_1 + n
 
 
-@part
+@inlined
 def _line(e, l, k, c, d0, f0, pull, line):
+    """Put down a mode's line of force; what it needs."""
     line[line_at(e, K) + l] = k
     line[line_at(e, C) + l] = c
     line[line_at(e, D0) + l] = d0
     line[line_at(e, V0) + l] = 0.0
     line[line_at(e, F0) + l] = f0
     line[line_at(e, PULL) + l] = pull
+    return _needs_of_line(e, l, line)
+
+
+@inlined
+def _needs_of_line(e, l, line):
+    """Whether a line of force gives any force, and moves with time."""
+    filling = line[line_at(e, FILLING) + l]
+    most = abs(line[line_at(e, K) + l]) + abs(line[line_at(e, C) + l]) + abs(line[line_at(e, F0) + l])
+    most *= abs(line[line_at(e, layout.FILL) + l]) + abs(filling)
+    moves = filling != 0.0 or line[line_at(e, PULL) + l] != 0.0
+    # one that is not a number does not rest: it stops its crash
+    return (MOVES if moves else 0) | (0 if most <= 0.0 else PUSHES)
 
 
 @part
-def _guard(g, l, a, b, d0, v0, g0, ga, drift, guard):
+def _guard(n, e, l, a, b, d0, v0, g0, ga, drift, pair, guard):
+    """Put down guard n; what it needs, if it can turn negative."""
+    g = guard_of(e, pair, n)
     guard[guard_at(g, A) + l] = a
     guard[guard_at(g, B) + l] = b
     guard[guard_at(g, GD0) + l] = d0
@@ -453,3 +487,4 @@ def _guard(g, l, a, b, d0, v0, g0, ga, drift, guard):
     guard[guard_at(g, G0) + l] = g0
     guard[guard_at(g, GA) + l] = ga
     guard[guard_at(g, DRIFT) + l] = drift
+    return (1 << n) | (0 if b == 0.0 and ga == 0.0 else RATES) | (0 if ga == 0.0 else BENDS)

@@ -15,8 +15,25 @@ import numpy as np
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver.laws import ELASTIC, PLASTIC, RESTRAINT
-from ridedown.solver.layout import D0, DEGREE, F0, FILL, FILLING, PULL, STRIDE, V0, C, K, at, line_at, row
-from ridedown.solver.vector import ALL_LANES, WIDTH, lanes_of, load, pick, spread, store
+from ridedown.solver.layout import (
+    D0,
+    DEGREE,
+    F0,
+    FILL,
+    FILLING,
+    NEEDS,
+    PULL,
+    PUSHES,
+    STRIDE,
+    V0,
+    C,
+    K,
+    at,
+    line_at,
+    mode_at,
+    row,
+)
+from ridedown.solver.vector import WIDTH, lanes_of, load, pick, spread, store, union
 
 _TANGENT = np.array(
     [1, 1 / 3, 2 / 15, 17 / 315, 62 / 2835, 1382 / 155925, 21844 / 6081075, 929569 / 638512875, 6404582 / 10854718875]
@@ -72,17 +89,14 @@ def _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, 
 
 
 @part
-def rest(lanes, law, quiet, empty, line, f, rests):
+def rest(lanes, law, quiet, mode, f, rests):
     """Which restraints give no force throughout the step in any lane of a vector, whatever they deflect: they are passed over.
 
     Their deflections of orders 2 and up are not there, unless `deflect` is called.
     """
     for e in range(law.size):
         for l in range(0, lanes if quiet[e] != 0 else 0, WIDTH):
-            most = abs(load(line, line_at(e, K) + l)) + abs(load(line, line_at(e, C) + l)) + abs(load(line, line_at(e, F0) + l))
-            if empty[e] != 0:
-                most *= abs(load(line, line_at(e, FILL) + l)) + abs(load(line, line_at(e, FILLING) + l))
-            if lanes_of(most <= 0.0) != ALL_LANES:  # one that is not a number does not rest: it stops its crash
+            if union(mode, mode_at(e, NEEDS) + l) & PUSHES != 0:
                 rests[row(e) + l] = 0
             elif rests[row(e) + l] == 0:
                 rests[row(e) + l] = 1

@@ -9,20 +9,29 @@ from ridedown.solver import events
 from ridedown.solver.layout import (
     D0,
     DEGREE,
+    DOWN,
     DRIFT,
+    FASTER,
     FILL,
     FILLING,
     GD0,
+    MOVES,
+    NEEDS,
     PULL,
     REEL,
+    SLOWER,
     STRIDE,
+    UP,
     at,
+    bend_at,
     guard_at,
+    guard_of,
     line_at,
     memory_at,
+    mode_at,
     row,
 )
-from ridedown.solver.vector import WIDTH, binary_exponent, floor, load, power_of_two, spread, store, where
+from ridedown.solver.vector import WIDTH, binary_exponent, floor, load, power_of_two, spread, store, union, where
 
 NO, YES = events.NO, events.YES
 _GAUSS = np.polynomial.legendre.leggauss(DEGREE + 1)  # exact to twice the degree
@@ -97,19 +106,27 @@ def powers(lanes, step, power):
 
 
 @part
-def bends(lanes, coordinates, bars, q, tan, power, bend):
-    """How far each coordinate, and each bar's tangent, can stray from its straight course within the step, and its rate."""
-    for i in range(coordinates + bars):
-        source, first = (q, at(i, 0)) if i < coordinates else (tan, at(i - coordinates, 0))
-        for block in range(0, lanes, WIDTH):
-            away, faster = spread(0.0), spread(0.0)
-            for j in range(2, DEGREE + 1):
-                c = abs(load(source, first + j * STRIDE + block)) * load(power, row(j) + block)
-                away += c
-                faster += j * c
-            h = load(power, row(1) + block)
-            store(bend, row(2 * i) + block, away)
-            store(bend, row(2 * i + 1) + block, where(h > 0.0, faster / h, 0.0))
+def bends(lanes, coordinates, bars, q, tan, step, power, bend):
+    """How far down and up each coordinate, and each bar's tangent, can go in the step beyond its straight course; and its rate
+    beyond its own.
+    """
+    for block in range(0, lanes, WIDTH):
+        h = load(step, block)
+        per = where(h > 0.0, 1.0 / h, 0.0)
+        for i in range(coordinates + bars):
+            source, first = (q, at(i, 0)) if i < coordinates else (tan, at(i - coordinates, 0))
+            total = load(source, first + 2 * STRIDE + block) * load(power, row(2) + block)
+            size, rate, rate_size = abs(total), spread(0.0), spread(0.0)
+            for j in range(3, DEGREE + 1):
+                c = load(source, first + j * STRIDE + block) * load(power, row(j) + block)
+                total += c
+                size += abs(c)
+                rate += j * c
+                rate_size += j * abs(c)
+            store(bend, bend_at(i, DOWN) + block, 0.5 * (total - size))
+            store(bend, bend_at(i, UP) + block, 0.5 * (total + size))
+            store(bend, bend_at(i, SLOWER) + block, 0.5 * (rate - rate_size) * per)
+            store(bend, bend_at(i, FASTER) + block, 0.5 * (rate + rate_size) * per)
 
 
 @part
@@ -173,9 +190,11 @@ def advance(lanes, coordinates, step, last, pause, time, steps, idle, q, scale):
 
 
 @part
-def move_on(lanes, e, pair, step, line, guard, memory):
+def move_on(lanes, e, pair, step, mode, line, guard, memory):
     """What moves with time in restraint e: its reel, as pretensioners pull, and its fill."""
     for block in range(0, lanes, WIDTH):
+        if union(mode, mode_at(e, NEEDS) + block) & MOVES == 0:
+            continue
         h = load(step, block)
         drawn = h * load(line, line_at(e, PULL) + block)
         reel, zero = memory_at(e, REEL) + block, line_at(e, D0) + block
@@ -184,6 +203,6 @@ def move_on(lanes, e, pair, step, line, guard, memory):
         fill = line_at(e, FILL) + block
         store(line, fill, load(line, fill) + h * load(line, line_at(e, FILLING) + block))
         for n in range(4):
-            g = 2 * (e if n < 2 else pair) + n % 2
+            g = guard_of(e, pair, n)
             zero = guard_at(g, GD0) + block
             store(guard, zero, load(guard, zero) - h * load(guard, guard_at(g, DRIFT) + block))

@@ -51,6 +51,11 @@ def lanes_of(mask: Any) -> Any:
     raise NotImplementedError
 
 
+def union(array: Any, index: Any) -> Any:
+    """The bits that are set in any of eight whole numbers of a flat array, from `index` on."""
+    raise NotImplementedError
+
+
 def first_lane(bits: Any) -> Any:
     """Number of the first lane that is set; `bits &= bits - 1` goes on to the next."""
     raise NotImplementedError

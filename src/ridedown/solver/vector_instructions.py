@@ -217,6 +217,17 @@ def _lanes_of(typingctx, mask):  # noqa: ARG001
     return types.int64(mask), codegen
 
 
+@_instructions_of(vector.union)
+def _union(typingctx, array, index):  # noqa: ARG001
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        eight = builder.load(builder.bitcast(builder.gep(data, [args[1]]), _WHOLE.as_pointer()), align=8)
+        kind = ir.FunctionType(ir.IntType(64), [_WHOLE])
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, "llvm.vector.reduce.or.v8i64"), [eight])
+
+    return types.int64(array, index), codegen
+
+
 @_instructions_of(vector.first_lane)
 def _first_lane(typingctx, bits):  # noqa: ARG001
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001

@@ -18,7 +18,20 @@ from ridedown.network import Family, Law, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import events, together
 from ridedown.solver.extremes import SAMPLED
-from ridedown.solver.layout import DEGREE, EXTREME_ROWS, GUARD_ROWS, LINE_ROWS, MEMORY_ROWS, ORDERS, STRIDE, Cube, Table
+from ridedown.solver.layout import (
+    BEND_ROWS,
+    DEGREE,
+    EXTREME_ROWS,
+    G0,
+    GUARD_ROWS,
+    LINE_ROWS,
+    MEMORY_ROWS,
+    MODE_ROWS,
+    ORDERS,
+    STRIDE,
+    Cube,
+    Table,
+)
 from ridedown.solver.polynomial import WORK_SHAPE
 from ridedown.solver.vector import WIDTH
 
@@ -93,7 +106,7 @@ class Lanes(NamedTuple):
     trial: Floats  # the length of step that its modes are read on
     scale: Floats  # the acceleration that the step control measures against
     power: Floats  # rows by order: powers of the step; then what `events` says
-    bend: Floats  # two rows for each coordinate, then for each bar: what `stepping.bends` says
+    bend: Floats  # rows as `layout` says
     # series, rows by index and order
     q: Floats  # coordinates
     acc: Floats  # and of the ground, zero, last
@@ -107,7 +120,7 @@ class Lanes(NamedTuple):
     inverse_inertia: Floats
     arm: Floats
     # its laws
-    mode: Ints
+    mode: Ints  # rows as `layout` says
     line: Floats
     guard: Floats
     memory: Floats
@@ -169,7 +182,7 @@ class Record(NamedTuple):
 def lanes_for(network: Network, tracked: int) -> Lanes:
     """Room for STRIDE crashes abreast of a network of this structure."""
     n, m, bars = len(network.coordinates), len(network.elements), int(network.is_rotation.sum())
-    pairs = m + int((network.law == Law.RESTRAINT).sum())
+    pairs = _element_of_pairs(network).size
 
     def floats(rows: int) -> Floats:
         """Zeros, from the start of a cache line on."""
@@ -180,6 +193,10 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
     def whole(rows: int) -> Ints:
         return np.zeros(rows * STRIDE, dtype=np.int64)
 
+    guard = floats(2 * pairs * GUARD_ROWS)
+    # no guard of a restraint turns negative until it is put into a mode
+    restrains = (network.law == Law.RESTRAINT)[_element_of_pairs(network)]
+    guard.reshape(pairs, 2, GUARD_ROWS, STRIDE)[restrains, :, G0] = 1.0
     return Lanes(
         crash=whole(1),
         until=floats(1),
@@ -198,7 +215,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         trial=floats(1),
         scale=floats(1),
         power=floats(events.POWER_ROWS),
-        bend=floats(2 * (n + bars)),
+        bend=floats(BEND_ROWS * (n + bars)),
         q=floats(n * ORDERS),
         acc=floats((n + 1) * ORDERS),
         d=floats(m * ORDERS),
@@ -209,9 +226,9 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         moment=floats(bars * ORDERS),
         inverse_inertia=floats(n),
         arm=floats(m),
-        mode=whole(m),
+        mode=whole(m * MODE_ROWS),
         line=floats(m * LINE_ROWS),
-        guard=floats(2 * pairs * GUARD_ROWS),
+        guard=guard,
         memory=floats(m * MEMORY_ROWS),
         rests=whole(m),
         work=floats(m),
@@ -229,6 +246,11 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         poly=np.zeros(ORDERS),
         room=np.zeros(WORK_SHAPE),
     )
+
+
+def _element_of_pairs(network: Network) -> Ints:
+    """The element of each pair of guards: every element has one, and restraints another."""
+    return np.concatenate((np.arange(len(network.elements)), np.flatnonzero(network.law == Law.RESTRAINT)))
 
 
 def results_for(network: Network, tracked: Tracked) -> Results:
@@ -271,7 +293,6 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
     element = np.concatenate((np.repeat(np.arange(len(network.elements)), np.diff(network.reaction_start)), levered))
     sign = np.concatenate((-network.reaction_sign, np.zeros(len(levered))))
     order = np.argsort(coordinate, kind="stable")
-    elements = np.arange(len(network.elements))
     restraints = np.flatnonzero(network.law == Law.RESTRAINT)
     second_pair = np.full(len(network.elements), -1, dtype=np.int64)
     second_pair[restraints] = len(network.elements) + np.arange(restraints.size)
@@ -289,7 +310,7 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         pull_element=element[order],
         pull_sign=sign[order],
         piece_start=network.piece_start,
-        pair_element=np.concatenate((elements, restraints)),
+        pair_element=_element_of_pairs(network),
         second_pair=second_pair,
         free=network.free.astype(np.int64),
         empty=network.empty.astype(np.int64),
