@@ -53,11 +53,11 @@ POWER_ROWS = DEGREE + 7
 
 @kernel
 def find(
-    lanes: int, law: Ints, pair_element: Ints, second_pair: Ints, rests: Ints, coordinates: int, term_start: Ints,
-    term_coordinate: Ints, term_sign: Floats, lever: Ints, arm: Floats, q: Floats, tan: Floats, bend: Floats, mode: Ints,
-    guard: Floats, d: Floats, crash: Ints, last: Floats, idle: Floats, step: Floats, power: Floats, found: Ints, root: Floats,
-    found_count: Ints, pending: Ints, pending_count: Ints, falling: Floats, owner: Ints, shape: Floats, poly: Floats,
-    room: Table,
+    lanes: int, law: Ints, leader: Ints, direction: Floats, pair_element: Ints, second_pair: Ints, rests: Ints,
+    coordinates: int, term_start: Ints, term_coordinate: Ints, term_sign: Floats, lever: Ints, arm: Floats, q: Floats,
+    tan: Floats, bend: Floats, mode: Ints, guard: Floats, d: Floats, crash: Ints, last: Floats, idle: Floats, step: Floats,
+    power: Floats, found: Ints, root: Floats, found_count: Ints, pending: Ints, pending_count: Ints, falling: Floats,
+    owner: Ints, shape: Floats, poly: Floats, room: Table,
 ) -> None:  # fmt: skip
     """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
@@ -77,16 +77,17 @@ def find(
             if law[e] == laws.ELASTIC:
                 suspects = _suspects_of_curve(block, e, guard, d, power)
             elif law[e] == laws.RESTRAINT:
-                needs, known = union(mode, mode_at(e, NEEDS) + block), rests[row(e) + block] == 0
+                needs, first = union(mode, mode_at(e, NEEDS) + block), leader[e]
+                known = rests[row(first) + block] != series.RESTS
                 if needs & RATES != 0 and not known:
-                    series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
+                    series.deflect(block, first, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
                     known = True
                 suspects = _suspects_of_restraint(
-                    block, e, second_pair[e], needs, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend,
-                    guard, d, power,
+                    block, e, first, direction[e], second_pair[e], needs, coordinates, term_start, term_coordinate, term_sign,
+                    lever, arm, bend, guard, d, power,
                 )  # fmt: skip
                 if suspects != 0 and not known:
-                    series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
+                    series.deflect(block, first, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
             else:
                 suspects = _suspects(block, e, guard, d, power)
             for n in range(4 if law[e] == laws.RESTRAINT else 2):
@@ -98,8 +99,8 @@ def find(
                     count = 0
                 g = guard_of(e, second_pair[e], n)
                 count = _examine(
-                    g, e, block, bits, _SOONEST + n * STRIDE, guard, d, crash, power, found, root, found_count, pending,
-                    pending_count, falling, owner, count, shape, poly, room,
+                    g, leader[e], direction[e], block, bits, _SOONEST + n * STRIDE, guard, d, crash, power, found, root,
+                    found_count, pending, pending_count, falling, owner, count, shape, poly, room,
                 )  # fmt: skip
     _note_all(count, falling, owner, power, found, root, found_count)
     for l in range(lanes):
@@ -188,21 +189,21 @@ def _suspects_of_curve(block, e, guard, d, power):
 
 @inlined
 def _suspects_of_restraint(
-    block, e, pair, needs, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend, guard, d, power
+    block, e, first, sign, pair, needs, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend, guard, d, power
 ):  # fmt: skip
     """The same of those guards of a restraint that can turn negative, by how far its coordinates can bend in the step.
 
-    Where its guards look at the rate, its deflections of orders 2 and up must be there.
+    Its deflection is `sign` times that of element `first`, whose orders 2 and up must be there if a guard looks at the rate.
     """
     down, up, slower, faster = _bounds(block, e, coordinates, term_start, term_coordinate, term_sign, lever, arm, bend)
-    o, p = at(e, 0) + block, row(1) + block
-    here, rate, length = load(d, o), load(d, o + STRIDE), load(power, p)
+    o, p = at(first, 0) + block, row(1) + block
+    here, rate, length = sign * load(d, o), sign * load(d, o + STRIDE), load(power, p)
     bend_now, bend_rate, down_bend, up_bend = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
     if needs & RATES != 0:
-        bend_now = 2.0 * load(d, o + 2 * STRIDE)
+        bend_now = 2.0 * sign * load(d, o + 2 * STRIDE)
     if needs & BENDS != 0:
-        bend_rate = 6.0 * load(d, o + 3 * STRIDE)
-        down_bend, up_bend = _range_of_acceleration(o, p, d, power)
+        bend_rate = 6.0 * sign * load(d, o + 3 * STRIDE)
+        down_bend, up_bend = _range_of_acceleration(o, p, sign, d, power)
     suspects = 0
     for n in range(4):
         if (needs >> n) & 1 == 0:
@@ -248,11 +249,11 @@ def _bounds(block, e, coordinates, term_start, term_coordinate, term_sign, lever
 
 
 @inlined
-def _range_of_acceleration(o, p, d, power):
+def _range_of_acceleration(o, p, sign, d, power):
     """How far a deflection's second derivative can go down and up in the step, beyond its first two terms."""
     total, size = spread(0.0), spread(0.0)
     for j in range(2, DEGREE - 1):
-        c = ((j + 1.0) * (j + 2.0)) * load(d, o + (j + 2) * STRIDE) * load(power, p + (j - 1) * STRIDE)
+        c = ((j + 1.0) * (j + 2.0) * sign) * load(d, o + (j + 2) * STRIDE) * load(power, p + (j - 1) * STRIDE)
         total += c
         size += abs(c)
     return 0.5 * (total - size), 0.5 * (total + size)
@@ -271,16 +272,16 @@ def _unclear(round_off, start, slope, dip, power, soonest):
 
 @inlined
 def _examine(
-    g, e, block, bits, soonest, guard, d, crash, power, found, root, found_count, pending, pending_count, falling, owner, count,
-    shape, poly, room,
+    g, e, sign, block, bits, soonest, guard, d, crash, power, found, root, found_count, pending, pending_count, falling, owner,
+    count, shape, poly, room,
 ):  # fmt: skip
-    """Read guard g of element e closely in the lanes of a block that `bits` names: its polynomial, scaled to [0, 1].
+    """Read guard g, of `sign` times element e, closely in the lanes of a block that `bits` names: its polynomial on [0, 1].
 
     Where it has one root, the polynomial goes into a column of `falling`; how many of them are in use after that.
     """
     a, b = load(guard, guard_at(g, A) + block), load(guard, guard_at(g, B) + block)
     ga = load(guard, guard_at(g, GA) + block)
-    _read(e, g, block, a, b, ga, guard, d, power, shape)
+    _read(e, sign, g, block, a, b, ga, guard, d, power, shape)
     start, end, fastest = load(shape, row(0)), load(shape, row(_END)), load(shape, row(_FASTEST))
     least = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b) + ACCELERATION_ROUND_OFF * abs(ga)
     store(shape, row(_ROUND_OFF), least)
@@ -323,18 +324,21 @@ SHAPE_ROWS = DEGREE + 4
 
 
 @inlined
-def _read(e, g, block, a, b, ga, guard, d, power, shape):
+def _read(e, sign, g, block, a, b, ga, guard, d, power, shape):
     """The coefficients of a guard in all lanes of a block, and what they come to, into the rows of `shape`."""
     rates, bends = lanes_of(abs(b) + abs(ga) > 0.0) != 0, lanes_of(abs(ga) > 0.0) != 0
     o, p = at(e, 0) + block, row(0) + block
-    end = load(guard, guard_at(g, G0) + block) + a * (load(d, o) - load(guard, guard_at(g, GD0) + block))
-    end += b * (load(d, o + STRIDE) - load(guard, guard_at(g, GV0) + block)) + 2.0 * ga * load(d, o + 2 * STRIDE)
+    end = load(guard, guard_at(g, G0) + block) + a * (sign * load(d, o) - load(guard, guard_at(g, GD0) + block))
+    end += b * (sign * load(d, o + STRIDE) - load(guard, guard_at(g, GV0) + block))
+    drift = a * load(guard, guard_at(g, DRIFT) + block)
+    a, b, ga = sign * a, sign * b, sign * ga
+    end += 2.0 * ga * load(d, o + 2 * STRIDE)
     store(shape, row(0), end)
     fastest = spread(0.0)
     for j in range(1, DEGREE + 1):
         c = a * load(d, o + j * STRIDE)
         if j == 1:
-            c += a * load(guard, guard_at(g, DRIFT) + block)
+            c += drift
         if rates and j < DEGREE:
             c += ((j + 1.0) * b) * load(d, o + (j + 1) * STRIDE)
         if bends and j < DEGREE - 1:

@@ -26,6 +26,11 @@ K, C, D0, V0, F0, PULL, FILL, FILLING = range(8)
 that, which changes at the rate FILLING."""
 LINE_ROWS = 8
 
+SPRING, DAMPER, AT_0, AT_1, SPRING_RISE, DAMPER_RISE, AT_2 = range(7)
+"""Rows of the force of restraints side by side: f[j] = SPRING d[j] + DAMPER (j + 1) d[j + 1]; AT_1 more of order 1, and AT_0 in
+place of order 0. Where a bag fills, SPRING_RISE d[j - 1] + DAMPER_RISE j d[j] more from order 2 on, and AT_2 of that order."""
+SUM_ROWS = 7
+
 A, B, GD0, GV0, G0, GA, DRIFT = range(7)
 """Rows of a guard: a (d - d0) + b (v - v0); a restraint's has g0 and ga d'' added, and its d0 falls at the rate DRIFT."""
 GUARD_ROWS = 7
@@ -71,6 +76,12 @@ def row(index):
 def line_at(e, part):
     """Start of a row of an element's line of force."""
     return (e * LINE_ROWS + part) * STRIDE
+
+
+@inlined
+def sum_at(e, part):
+    """Start of a row of the force of the restraints side by side that e is the first of."""
+    return (e * SUM_ROWS + part) * STRIDE
 
 
 @inlined

@@ -103,6 +103,7 @@ def march(
     tracked_start, tracked_family, tracked_index = s.tracked_start, s.tracked_family, s.tracked_index
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
+    leader, beside, direction, total = s.leader, s.beside, s.direction, w.total
     conjugate, free, sample_time, trial = s.conjugate, s.free, s.sample_time, w.trial
     inertia, rate, arms, timer_time, pulse_amplitude = x.inertia, x.rate, x.arm, x.timer_time, x.pulse_amplitude
     samples, kept = out.samples, record.kept
@@ -135,11 +136,13 @@ def march(
                 coefficients, pieces, second_pair, line, guard, memory, mode, log,
             )  # fmt: skip
 
-        if restrained and not recorded:
-            series.rest(lanes, law, quiet, mode, f, rests)
+        if restrained:
+            series.side_by_side(
+                lanes, law, leader, beside, direction, quiet, recorded, mode, line, d, f, total, rests,
+            )  # fmt: skip
         series.expand(
-            lanes, conjugate, law, empty, rests, parent, driven, term_start, term_coordinate, term_sign, lever, pull_start,
-            pull_element, pull_sign, bars, bar_of, arm, inverse_inertia, line, q, tan, sec2, turn, moment, d, f, acc,
+            lanes, conjugate, law, leader, rests, parent, driven, term_start, term_coordinate, term_sign, lever, pull_start,
+            pull_element, pull_sign, bars, bar_of, arm, inverse_inertia, line, total, q, tan, sec2, turn, moment, d, f, acc,
         )  # fmt: skip
 
         stepping.choose_steps(
@@ -148,9 +151,9 @@ def march(
         if restrained:
             stepping.bends(lanes, parent.size, bars.size, q, tan, step, power, bend)
         events.find(
-            lanes, law, pair_element, second_pair, rests, parent.size, term_start, term_coordinate, term_sign, lever, arm, q,
-            tan, bend, mode, guard, d, crash, last, idle, step, power, found, root, found_count, pending, pending_count,
-            falling, owner, shape, poly, room,
+            lanes, law, leader, direction, pair_element, second_pair, rests, parent.size, term_start, term_coordinate,
+            term_sign, lever, arm, q, tan, bend, mode, guard, d, crash, last, idle, step, power, found, root, found_count,
+            pending, pending_count, falling, owner, shape, poly, room,
         )  # fmt: skip
         stepping.powers(lanes, step, power)
         extremes.track_all(
@@ -175,8 +178,8 @@ def march(
                 if crash[l] >= 0:
                     stop = _stop_of(l, until, pause, last, steps, idle, scale, bars, q)
                     _settle(
-                        l, block, law, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, crash, step,
-                        piece_start, coefficients, pieces, memory, mode,
+                        l, block, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, crash,
+                        step, piece_start, coefficients, pieces, memory, mode,
                     )  # fmt: skip
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH
@@ -264,13 +267,13 @@ def _open(
 
 @part
 def _settle(
-    l, block, law, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, crash, step, piece_start,
+    l, block, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, crash, step, piece_start,
     coefficients, pieces, memory, mode,
 ):  # fmt: skip
     """Where the reels of lane l are, at the end of its last step."""
     for e in range(law.size):
         if law[e] == laws.RESTRAINT:
-            if rests[row(e) + block] != 0:
+            if leader[e] != e or rests[row(e) + block] == series.RESTS:
                 series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
             changes.settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)
 

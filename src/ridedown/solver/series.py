@@ -16,14 +16,22 @@ from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver.laws import ELASTIC, PLASTIC, RESTRAINT
 from ridedown.solver.layout import (
+    AT_0,
+    AT_1,
+    AT_2,
     D0,
+    DAMPER,
+    DAMPER_RISE,
     DEGREE,
     F0,
     FILL,
     FILLING,
+    MOVES,
     NEEDS,
     PULL,
     PUSHES,
+    SPRING,
+    SPRING_RISE,
     STRIDE,
     V0,
     C,
@@ -32,6 +40,7 @@ from ridedown.solver.layout import (
     line_at,
     mode_at,
     row,
+    sum_at,
 )
 from ridedown.solver.vector import WIDTH, lanes_of, load, pick, spread, store, union
 
@@ -88,20 +97,66 @@ def _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, 
     return total
 
 
-@part
-def rest(lanes, law, quiet, mode, f, rests):
-    """Which restraints give no force throughout the step in any lane of a vector, whatever they deflect: they are passed over.
+EXPANDS, RESTS, FILLS = range(3)
+"""What the first of restraints side by side does in a step, in a vector: its force has a series; or it is zero and passed over,
+as the deflections of orders 2 and up are, unless `deflect` is called; or it has a series, and a bag fills."""
 
-    Their deflections of orders 2 and up are not there, unless `deflect` is called.
-    """
+
+@part
+def side_by_side(lanes, law, leader, beside, direction, quiet, recorded, mode, line, d, f, total, rests):
+    """Sum up, for restraints side by side, the force of all of them; the first stands for them in the series."""
     for e in range(law.size):
-        for l in range(0, lanes if quiet[e] != 0 else 0, WIDTH):
-            if union(mode, mode_at(e, NEEDS) + l) & PUSHES != 0:
-                rests[row(e) + l] = 0
-            elif rests[row(e) + l] == 0:
-                rests[row(e) + l] = 1
+        if law[e] != RESTRAINT or leader[e] != e:
+            continue
+        for l in range(0, lanes, WIDTH):
+            pushes, one = 0, e
+            while one >= 0:
+                pushes |= union(mode, mode_at(one, NEEDS) + l) & PUSHES
+                one = beside[one]
+            if pushes != 0 or quiet[e] == 0 or recorded:
+                rests[row(e) + l] = _sum_up(e, l, beside, direction, mode, line, d, total)
+            elif rests[row(e) + l] != RESTS:
+                rests[row(e) + l] = RESTS
                 for j in range(DEGREE):
                     store(f, at(e, j) + l, 0.0)
+
+
+@part
+def _sum_up(e, l, beside, direction, mode, line, d, total):
+    """The force of the restraints beside e, along its deflection, in a vector; whether one of them fills."""
+    spring, damper, spring_rise, damper_rise = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+    at_0, at_1, at_2 = spread(0.0), spread(0.0), spread(0.0)
+    here, rate = load(d, at(e, 0) + l), load(d, at(e, 1) + l)
+    one, fills = e, False
+    while one >= 0:
+        needs, sign = union(mode, mode_at(one, NEEDS) + l), direction[one]
+        if needs & PUSHES != 0:
+            fill = load(line, line_at(one, FILL) + l)
+            own_spring, own_damper = load(line, line_at(one, K) + l), load(line, line_at(one, C) + l)
+            force = load(line, line_at(one, F0) + l) + own_spring * (sign * here - load(line, line_at(one, D0) + l))
+            force += own_damper * (sign * rate)
+            at_0 += sign * (fill * force)
+            spring += fill * own_spring
+            damper += fill * own_damper
+            if needs & MOVES != 0:
+                filling = load(line, line_at(one, FILLING) + l)
+                pulled = sign * own_spring * load(line, line_at(one, PULL) + l)
+                at_1 += fill * pulled + filling * (sign * force)
+                at_2 += filling * pulled
+                spring_rise += filling * own_spring
+                damper_rise += filling * own_damper
+                fills |= lanes_of(abs(filling) > 0.0) != 0
+        one = beside[one]
+    store(total, sum_at(e, SPRING) + l, spring)
+    store(total, sum_at(e, DAMPER) + l, damper)
+    store(total, sum_at(e, AT_0) + l, at_0)
+    store(total, sum_at(e, AT_1) + l, at_1)
+    if not fills:
+        return EXPANDS
+    store(total, sum_at(e, SPRING_RISE) + l, spring_rise)
+    store(total, sum_at(e, DAMPER_RISE) + l, damper_rise)
+    store(total, sum_at(e, AT_2) + l, at_2)
+    return FILLS
 
 
 @part
@@ -113,17 +168,17 @@ def deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan
 
 @kernel
 def expand(
-    lanes: int, conjugate: bool, law: Ints, empty: Ints, rests: Ints, parent: Ints, driven: int, term_start: Ints,
+    lanes: int, conjugate: bool, law: Ints, leader: Ints, rests: Ints, parent: Ints, driven: int, term_start: Ints,
     term_coordinate: Ints, term_sign: Floats, lever: Ints, pull_start: Ints, pull_element: Ints, pull_sign: Floats,
     bar_coordinate: Ints, bar_of: Ints,
-    arm: Floats, inverse_inertia: Floats, line: Floats, q: Floats, tan: Floats, sec2: Floats, turn: Floats, moment: Floats,
-    d: Floats, f: Floats, acc: Floats,
+    arm: Floats, inverse_inertia: Floats, line: Floats, total: Floats, q: Floats, tan: Floats, sec2: Floats, turn: Floats,
+    moment: Floats, d: Floats, f: Floats, acc: Floats,
 ) -> None:  # fmt: skip
     """The series of the step, order by order, from the state at its start and the modes there."""
     for j in range(DEGREE):
         if j > 0:
             _tangents(lanes, j, bar_coordinate, q, tan, sec2, turn)
-        _forces(lanes, j, law, empty, rests, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
+        _forces(lanes, j, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, line, total, q, tan, d, f)
         if j < DEGREE - 1:
             _accelerations(
                 lanes, j, conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
@@ -180,48 +235,42 @@ def drive(lanes, driven, shape, amplitude, per, piece, origin, time, acc):
 
 
 @part
-def _restrain(lanes, j, e, empty, rests, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
-    """d[j + 1] and f[j] of a restraint: of its line, which moves as the reel pulls, as much as its fill."""
+def _restrain(lanes, j, e, rests, term_start, term_coordinate, term_sign, lever, arm, total, q, tan, d, f):
+    """d[j + 1] and f[j] of restraints side by side, of which e is the first."""
     order, first, to = float(j + 1), term_start[e], at(e, j)
     alone = term_start[e + 1] == first + 1 and lever[e] < 0
     q1, sign1 = at(term_coordinate[first], j + 1), term_sign[first]
     for l in range(0, lanes, WIDTH):
-        if rests[row(e) + l] != 0:
+        state = rests[row(e) + l]
+        if state == RESTS:
             continue
-        if alone and j > 0:
-            store(d, to + STRIDE + l, sign1 * load(q, q1 + l))
-        elif j > 0:
+        if j == 0:
+            store(f, to + l, load(total, sum_at(e, AT_0) + l))
+            continue
+        if alone:
+            new = sign1 * load(q, q1 + l)
+        else:
             new = _deflection(e, j + 1, l, term_start, term_coordinate, term_sign, lever, arm, q, tan)
-            store(d, to + STRIDE + l, new)
-        force = _line_of(e, j, order, l, line, d)
-        if empty[e] != 0:
-            force *= load(line, line_at(e, FILL) + l)
-            filling = load(line, line_at(e, FILLING) + l)
-            if j > 0 and lanes_of(abs(filling) > 0.0) != 0:
-                force += filling * _line_of(e, j - 1, order - 1.0, l, line, d)
+        store(d, to + STRIDE + l, new)
+        force = load(total, sum_at(e, SPRING) + l) * load(d, to + l) + order * load(total, sum_at(e, DAMPER) + l) * new
+        if j == 1:
+            force += load(total, sum_at(e, AT_1) + l)
+        elif state == FILLS:
+            force += (order - 1.0) * load(total, sum_at(e, DAMPER_RISE) + l) * load(d, to + l)
+            force += load(total, sum_at(e, SPRING_RISE) + l) * load(d, to - STRIDE + l)
+            if j == 2:
+                force += load(total, sum_at(e, AT_2) + l)
         store(f, to + l, force)
 
 
 @inlined
-def _line_of(e, j, order, l, line, d):
-    """Order j of a restraint's line of force; `order` is j + 1."""
-    here, rate = load(d, at(e, j) + l), order * load(d, at(e, j + 1) + l)
-    force = spread(0.0)
-    if j == 0:
-        here -= load(line, line_at(e, D0) + l)
-        force = load(line, line_at(e, F0) + l)
-    elif j == 1:
-        here += load(line, line_at(e, PULL) + l)
-    return force + load(line, line_at(e, K) + l) * here + load(line, line_at(e, C) + l) * rate
-
-
-@inlined
-def _forces(lanes, j, law, empty, rests, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f):
+def _forces(lanes, j, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, line, total, q, tan, d, f):
     """d[j + 1] of every element, then f[j] by its law's line in its present mode."""
     order = float(j + 1)
     for e in range(lever.size):
         if law[e] == RESTRAINT:
-            _restrain(lanes, j, e, empty, rests, term_start, term_coordinate, term_sign, lever, arm, line, q, tan, d, f)
+            if leader[e] == e:
+                _restrain(lanes, j, e, rests, term_start, term_coordinate, term_sign, lever, arm, total, q, tan, d, f)
             continue
         k, c, to, dj, dk = line_at(e, K), line_at(e, C), at(e, j), at(e, j), at(e, j + 1)
         if j == 0:

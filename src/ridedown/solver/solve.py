@@ -87,7 +87,7 @@ def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool,
 
     The calling thread only waits, so that it can be interrupted: no more crashes are taken then.
     """
-    structure, numbers = workspace.structure_of(network, quantities), workspace.numbers_of(network)
+    structure, numbers = workspace.structure_of(network, quantities, each=work), workspace.numbers_of(network)
     results, record = workspace.results_for(network, quantities), workspace.record_for(network, 0)
     queue = np.zeros(1, dtype=np.int64)
     places = min(STRIDE, network.size)
@@ -149,7 +149,7 @@ def _put(solved: Solved, part: Part, own: Solved, sense: Ints) -> None:
 
 def solve_one(network: Network) -> tuple[Phases, Stop]:
     """Solve the one crash of a network, keeping its phases."""
-    structure, numbers = workspace.structure_of(network, _NOTHING), workspace.numbers_of(network)
+    structure, numbers = workspace.structure_of(network, _NOTHING, each=True), workspace.numbers_of(network)
     results, lanes = workspace.results_for(network, _NOTHING), workspace.lanes_for(network, 0)
     capacity = _CAPACITY
     while True:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ridedown.compiled import inlined, part
-from ridedown.solver import events
+from ridedown.solver import events, series
 from ridedown.solver.layout import (
     D0,
     DEGREE,
@@ -134,7 +134,7 @@ def add_work(lanes, elements, step, d, f, rests, work):
     """Work done on each element in this step: the integral of f d' dt, exact by Gauss's rule."""
     for e in range(elements):
         for block in range(0, lanes, WIDTH):
-            if rests[row(e) + block] != 0:
+            if rests[row(e) + block] == series.RESTS:
                 continue
             h, total = load(step, block), spread(0.0)
             for n in range(_NODES.size):

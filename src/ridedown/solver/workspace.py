@@ -29,6 +29,7 @@ from ridedown.solver.layout import (
     MODE_ROWS,
     ORDERS,
     STRIDE,
+    SUM_ROWS,
     Cube,
     Table,
 )
@@ -56,6 +57,9 @@ class Structure(NamedTuple):
     second_pair: Ints  # (e,) the second pair of a restraint, -1 = none
     free: Ints  # (e,) 1 for a restraint whose reel is free at first
     empty: Ints  # (e,) 1 for a restraint that is empty at first
+    leader: Ints  # (e,) the first of the restraints side by side with this one, which stands for them in the series
+    beside: Ints  # (e,) the next of them, -1 = none
+    direction: Floats  # (e,) sign of its deflection in that of the first
     quiet: Ints  # (e,) 1 for a restraint whose deflection nobody asks for: where it gives no force, it can rest
     timer_element: Ints
     timer_action: Ints
@@ -124,7 +128,8 @@ class Lanes(NamedTuple):
     line: Floats
     guard: Floats
     memory: Floats
-    rests: Ints  # whether a restraint rests, in the first lane of each vector (see `series.rest`)
+    total: Floats  # the force of restraints side by side, rows as `layout` says
+    rests: Ints  # what they do in a step, in the first lane of each vector (see `series.side_by_side`)
     work: Floats  # done on each element so far
     # events and extremes
     found: Ints  # rows: the guards that may end this step, found_count of them
@@ -230,6 +235,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         line=floats(m * LINE_ROWS),
         guard=guard,
         memory=floats(m * MEMORY_ROWS),
+        total=floats(m * SUM_ROWS),
         rests=whole(m),
         work=floats(m),
         found=whole(2 * pairs),
@@ -283,8 +289,11 @@ def record_for(network: Network, capacity: int) -> Record:
     )
 
 
-def structure_of(network: Network, tracked: Tracked) -> Structure:
-    """The integers of a network, with what is to be tracked, as the kernels take them."""
+def structure_of(network: Network, tracked: Tracked, *, each: bool = False) -> Structure:
+    """The integers of a network, with what is to be tracked, as the kernels take them.
+
+    `each`: whether the force of every element is wanted by itself, tracked or not.
+    """
     bars = np.flatnonzero(network.is_rotation)
     bar_of = np.full(len(network.coordinates) + 1, -1, dtype=np.int64)
     bar_of[bars] = np.arange(len(bars))
@@ -292,6 +301,9 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
     coordinate = np.concatenate((network.reaction_coordinate, network.lever[levered]))
     element = np.concatenate((np.repeat(np.arange(len(network.elements)), np.diff(network.reaction_start)), levered))
     sign = np.concatenate((-network.reaction_sign, np.zeros(len(levered))))
+    leader, direction = _side_by_side(network, tracked, each=each)
+    leads = leader[element] == element
+    coordinate, element, sign = coordinate[leads], element[leads], sign[leads]
     order = np.argsort(coordinate, kind="stable")
     restraints = np.flatnonzero(network.law == Law.RESTRAINT)
     second_pair = np.full(len(network.elements), -1, dtype=np.int64)
@@ -314,6 +326,9 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         second_pair=second_pair,
         free=network.free.astype(np.int64),
         empty=network.empty.astype(np.int64),
+        leader=leader,
+        beside=_next_of(leader),
+        direction=direction,
         quiet=_quiet(network, tracked),
         timer_element=network.timer_element,
         timer_action=network.timer_action,
@@ -327,6 +342,36 @@ def structure_of(network: Network, tracked: Tracked) -> Structure:
         tracked_sense=tracked.sense,
         sample_time=tracked.sample_time,
     )
+
+
+def _side_by_side(network: Network, tracked: Tracked, *, each: bool) -> tuple[Ints, Floats]:
+    """Of every element, the first that has the same deflection, but for its sign, and pushes the same bodies; and that sign.
+
+    Only of restraints whose own deflection and force nobody asks for; any other is the first of none but itself.
+    """
+    leader, direction = np.arange(len(network.elements)), np.ones(len(network.elements))
+    heard = tracked.item[np.isin(tracked.family, (Family.DEFLECTION, Family.DEFLECTION_RATE, Family.FORCE))]
+    first: dict[tuple[tuple[float, ...], ...], int] = {}
+    for e in np.flatnonzero((network.law == Law.RESTRAINT) & (network.lever < 0)):
+        if each or e in heard:
+            continue
+        terms = slice(network.term_start[e], network.term_start[e + 1])
+        reactions = slice(network.reaction_start[e], network.reaction_start[e + 1])
+        direction[e] = network.term_sign[terms][0]
+        moves = (network.term_coordinate[terms], network.term_sign[terms] * direction[e])
+        pushes = (network.reaction_coordinate[reactions], network.reaction_sign[reactions] * direction[e])
+        leader[e] = first.setdefault(tuple(tuple(numbers.tolist()) for numbers in (*moves, *pushes)), e)
+    return leader, direction * direction[leader]
+
+
+def _next_of(leader: Ints) -> Ints:
+    """Of every element the next with the same leader, or -1."""
+    following = np.full(leader.size, -1, dtype=np.int64)
+    for e in range(leader.size):
+        later = np.flatnonzero(leader[e + 1 :] == leader[e])
+        if later.size:
+            following[e] = e + 1 + later[0]
+    return following
 
 
 def _quiet(network: Network, tracked: Tracked) -> Ints:
