@@ -1,9 +1,11 @@
-"""What it gains to solve the vehicles once, in studies in which only restraints vary.
+"""What it gains to solve once what is the same in every row: vehicles, in studies in which only restraints vary.
 
     python benchmarks/vehicles_once.py
 
-P1 with its adult, its child, and both; their restraints differ from row to row. Beside it the same crashes with vehicles that
-differ by a trillionth, so that each row solves its own. Processor time, of one thread, the least of several turns, in turn.
+P1 with restraints that differ from row to row: its adult's, its child's, both; and the adult's alone while the child sits by.
+Beside it the same crashes with vehicles that differ by a trillionth, so that each row solves its own; and the same with cars
+that differ as much as the restraints do, as in a study of everything. Processor time of one thread, in turn: medians, and
+medians of the ratios of each turn.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import numpy as np
 from ridedown import load, simulate_many
 from ridedown.scenario import CrashScenario
 
-ROWS, TURNS = 16_384, 5
+ROWS, TURNS = 16_384, 9
 VARIED = {
     "adult": ("adult.restraint.stiffness", "adult.restraint.damping"),
     "child": (
@@ -35,11 +37,21 @@ NOMINAL = {
     "child.seat.restraint.stiffness": 50e3,
     "child.seat.restraint.damping": 500.0,
 }  # N/m, N s/m
+CARS = {
+    ("vehicle1.mass",): 1500.0,
+    ("vehicle2.mass",): 1500.0,
+    ("vehicle1.members.pieces.0.stiffness", "vehicle2.members.pieces.0.stiffness"): 118.2e3,
+    ("vehicle1.members.pieces.1.stiffness", "vehicle2.members.pieces.1.stiffness"): 465e3,
+    ("vehicle1.members.pieces.0.until", "vehicle2.members.pieces.0.until"): 0.356,
+    ("vehicle1.speed", "vehicle2.speed"): 13.33,
+}  # kg, N/m, m, m/s
 OUTCOMES = {
     "adult": ("adult.acceleration.peak", "adult.excursion.max"),
     "child": ("child.acceleration.peak", "child.relative_displacement.max"),
 }
 VEHICLE = ("vehicle1.acceleration.peak", "vehicle1.displacement.max")
+CASES = (("adult",), ("adult",)), (("child",), ("child",)), (("adult", "child"),) * 2, (("adult", "child"), ("adult",))
+"""Who is in the car, and whose restraints vary."""
 
 
 def seconds(crash: CrashScenario, table: Mapping[str, Any], outcomes: tuple[str, ...]) -> float:
@@ -51,16 +63,22 @@ def seconds(crash: CrashScenario, table: Mapping[str, Any], outcomes: tuple[str,
 
 def main() -> None:
     """Print the comparison."""
-    print(f"{'occupants':>12}  {'once':>14}  {'each':>14}  gain")
-    p1, rng = load("p1"), np.random.default_rng(0)
-    for names in (("adult",), ("child",), ("adult", "child")):
-        crash = p1.model_copy(update={"occupants": tuple(each for each in p1.occupants if each.name in names)})
-        once = {path: NOMINAL[path] * rng.uniform(0.8, 1.2, ROWS) for name in names for path in VARIED[name]}
+    print(
+        f"{'in the car':>13} {'varied':>13}  {'once':>13}  {'each':>13}  {'all varied':>13}  gain: once/each  once/all varied"
+    )
+    whole, rng = load("p1"), np.random.default_rng(0)
+    cars = {paths: value * rng.uniform(0.8, 1.2, ROWS) for paths, value in CARS.items()}
+    for names, varied in CASES:
+        crash = whole.model_copy(update={"occupants": tuple(one for one in whole.occupants if one.name in names)})
+        once = {path: NOMINAL[path] * rng.uniform(0.8, 1.2, ROWS) for name in varied for path in VARIED[name]}
         each = once | {"vehicle1.mass": 1500.0 * (1.0 + 1e-12 * np.arange(ROWS) / ROWS)}
+        all_varied = once | {path: column for paths, column in cars.items() for path in paths}
         outcomes = (*(outcome for name in names for outcome in OUTCOMES[name]), *VEHICLE)
-        turns = [(seconds(crash, once, outcomes), seconds(crash, each, outcomes)) for _ in range(TURNS)]
-        least = [1e6 * min(column) / ROWS for column in zip(*turns, strict=True)]
-        print(f"{' + '.join(names):>12}  {least[0]:5.1f} us/crash  {least[1]:5.1f} us/crash  {least[1] / least[0]:4.2f}")
+        turns = np.array([[seconds(crash, t, outcomes) for t in (once, each, all_varied)] for _ in range(TURNS + 1)])[1:]
+        us = 1e6 * np.median(turns, axis=0) / ROWS
+        gains = np.median(turns[:, 1:] / turns[:, :1], axis=0)
+        times = "  ".join(f"{one:5.1f} us/crash" for one in us)
+        print(f"{' + '.join(names):>13} {' + '.join(varied):>13}  {times}  {gains[0]:15.2f}  {gains[1]:15.2f}")
 
 
 if __name__ == "__main__":

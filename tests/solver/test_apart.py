@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ridedown import load, simulate_many
+from ridedown.network import Channel, Family
 from ridedown.outcomes import Outcomes, wanted
 from ridedown.scenario import lower, substitute
 from ridedown.solver import solve
@@ -86,6 +87,47 @@ def test_belts_on_reels_and_several_masses(monkeypatch: pytest.MonkeyPatch) -> N
     )
     assert is_apart(free, table)
     assert_alike(*both_ways(monkeypatch, free, table))
+
+
+def alike(scenario: Any, table: dict[str, Any]) -> list[str]:
+    """The coordinates that are solved once."""
+    network = lower(substitute(scenario, table)).widened(ROWS)
+    parts = apart(network, wanted(network, None).tracked)
+    return [] if parts is None else [network.coordinates[i] for i in parts.alike.coordinates]
+
+
+def test_an_occupant_who_is_the_same_in_every_row_is_solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = load("p1")
+    for name, other in (("adult", "child"), ("child", "adult")):
+        table = {f"{name}.restraint.stiffness": spread(20e3, 120e3)}
+        assert other in alike(scenario, table)
+        assert name not in alike(scenario, table)
+        sampled = [f"{name}.velocity", f"{other}.velocity"]
+        options = {"outcomes": list(simulate_many(scenario, {})), "samples": sampled, "times": np.linspace(0.0, 0.2, 41)}
+        with monkeypatch.context() as patch:
+            assert_alike(*both_ways(patch, scenario, table, **options))
+    nobody = {"adult.restraint.stiffness": np.full(ROWS, 9e4)}
+    assert {"adult", "child", "child.seat"} <= set(alike(scenario, nobody))
+    assert_alike(*both_ways(monkeypatch, scenario, nobody))
+
+
+def test_a_quantity_of_two_occupants_of_whom_one_differs() -> None:
+    network = lower(substitute(load("p1"), {"adult.restraint.stiffness": spread(20e3, 120e3)})).widened(ROWS)
+    adult, child = network.coordinates.index("adult"), network.coordinates.index("child")
+    between = Channel("between", "m", ((Family.POSITION, adult, 1.0), (Family.POSITION, child, -1.0)))
+    parts = apart(network, solve.tracked([(between, 0)]))
+    assert parts is not None
+    assert {adult, child} <= set(parts.occupants[0].coordinates.tolist())
+
+
+def test_a_timer_that_differs_is_a_difference(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = load("p1")
+    driver = load("example-restraints").occupants[0].model_copy(update={"coupled": False})
+    scenario = plain.model_copy(update={"occupants": (driver, plain.occupants[1])})
+    table = {"driver.shoulder-belt.lock_time": spread(0.0, 0.012)}
+    assert "child" in alike(scenario, table)
+    assert "driver.chest" not in alike(scenario, table)
+    assert_alike(*both_ways(monkeypatch, scenario, table))
 
 
 def test_not_where_the_vehicles_differ_from_row_to_row() -> None:

@@ -1,8 +1,8 @@
-"""Occupants solved apart from their vehicles: where they do not push back, and only they differ, the vehicles are solved once.
+"""What is the same in every row solved once: vehicles whose occupants do not push back, and the occupants that do not differ.
 
-In a table of crashes in which restraints vary, every row has the same vehicles' motion. It is solved for once; each row then
-is the occupants alone, in vehicles driven by that motion, which is polynomials already. Nothing is lost: the rows differ from
-those solved whole by round-off and the truncation of a step.
+In a table of crashes in which some restraints vary, every row has the same vehicles' motion, and whoever else sits in them
+fares the same. These are solved for once; each row then is the other occupants alone, in vehicles driven by that motion, which
+is polynomials already. Nothing is lost: the rows differ from those solved whole by round-off and the truncation of a step.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ _OF_MOTION = (Family.POSITION, Family.RATE, Family.ACCELERATION)
 _OF_COORDINATE = ("inertia", "rate")
 _OF_ELEMENTS = ("arm", "stiffness", "damping", "slack", "limit", "payout", "stall")
 _OF_PIECES = ("knot", "force", "slope")
+_OF_TIMERS = ("timer_time", "timer_value")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,46 +36,60 @@ class Part:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Apart:
-    """The vehicles of a network, and the occupants of each that has some: that vehicle's coordinate comes first."""
+    """How a network comes apart.
+
+    vehicles: what moves whoever sits in it; alike: the same, with the occupants that are the same in every row; occupants: the
+    others, by the vehicle that carries them, whose coordinate comes first.
+    """
 
     vehicles: Part
+    alike: Part
     occupants: tuple[Part, ...]
 
 
+_ALIKE, _MIXED = -1, -2
+
+
 def apart(network: Network, tracked: Tracked) -> Apart | None:
-    """How to solve the vehicles once and the occupants for themselves; None where that cannot be, or gains nothing."""
+    """What to solve once, and which occupants in every row; None where that cannot be, or gains nothing."""
     if network.driven >= 0:
         return None
     heavy = _moved_together(network)
-    riders = np.flatnonzero(~heavy)
-    if not riders.size:
-        return None
     carrier = np.array([next((link for link in network.chain(i) if heavy[link]), -1) for i in range(heavy.size)])
-    if (network.parent[carrier[riders]] >= 0).any():
+    tied = any(heavy[_terms(network, e)].any() != heavy[_terms(network, e)].all() for e in range(len(network.elements)))
+    if tied or heavy.all() or (network.parent[carrier[~heavy]] >= 0).any():
         return None
-    of_element = np.array([_carrier_of(network, e, heavy, carrier) for e in range(len(network.elements))], dtype=np.int64)
+    vehicles = _part_for(network, heavy)
+    if not _same_in_all_rows(network, vehicles):
+        return None
+    alike = heavy | _alike(network, heavy)
+    parts = _parts(network, tracked, vehicles, alike, carrier)
+    if parts is None and (alike != heavy).any():  # a quantity is of two occupants, of whom one differs
+        parts = _parts(network, tracked, vehicles, heavy, carrier)
+    return parts
+
+
+def _parts(network: Network, tracked: Tracked, vehicles: Part, alike: NDArray[np.bool_], carrier: Ints) -> Apart | None:
+    """The parts, where those coordinates are the same in every row; None where an element or a quantity is of two of them."""
+    group = np.where(alike, _ALIKE, carrier)
+    of_element = np.array([_group_of_element(network, e, group) for e in range(len(network.elements))], dtype=np.int64)
     of_quantity = np.array(
-        [_group_of(tracked, k, heavy, carrier, of_element) for k in range(tracked.sense.size)], dtype=np.int64
+        [_group_of_quantity(tracked, k, vehicles, group, of_element) for k in range(tracked.sense.size)], dtype=np.int64
     )
     if (of_element == _MIXED).any() or (of_quantity == _MIXED).any():
         return None
-    vehicles = Part(np.flatnonzero(heavy), np.flatnonzero(of_element == _VEHICLES), np.flatnonzero(of_quantity == _VEHICLES))
-    if not _same_in_all_rows(network, vehicles):
-        return None
     return Apart(
         vehicles,
+        Part(np.flatnonzero(alike), np.flatnonzero(of_element == _ALIKE), np.flatnonzero(of_quantity == _ALIKE)),
         tuple(
             Part(
-                np.concatenate(([c], riders[carrier[riders] == c])),
+                np.concatenate(([c], np.flatnonzero(group == c))),
                 np.flatnonzero(of_element == c),
                 np.flatnonzero(of_quantity == c),
             )
-            for c in np.unique(carrier[riders])
+            for c in np.unique(group[group != _ALIKE])
         ),
     )
-
-
-_VEHICLES, _MIXED = -1, -2
 
 
 def _moved_together(network: Network) -> NDArray[np.bool_]:
@@ -85,36 +100,72 @@ def _moved_together(network: Network) -> NDArray[np.bool_]:
         for e in range(len(network.elements)):
             acts_on = network.reaction_coordinate[network.reaction_start[e] : network.reaction_start[e + 1]]
             if network.lever[e] >= 0 or heavy[acts_on].any():
-                heavy[network.term_coordinate[network.term_start[e] : network.term_start[e + 1]]] = True
+                heavy[_terms(network, e)] = True
         for i in np.flatnonzero(heavy):
             heavy[network.chain(int(i))] = True
         if (heavy == before).all():
             return heavy
 
 
-def _carrier_of(network: Network, e: int, heavy: NDArray[np.bool_], carrier: Ints) -> int:
-    """The vehicle whose occupants an element holds, or that it belongs to the vehicles."""
-    terms = network.term_coordinate[network.term_start[e] : network.term_start[e + 1]]
-    if heavy[terms].all():
-        return _VEHICLES
-    found = set(carrier[terms].tolist())
-    return _MIXED if heavy[terms].any() or len(found) > 1 else int(found.pop())
+def _alike(network: Network, heavy: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The coordinates of occupants that are the same in every row, with all that they depend on."""
+    found = np.zeros_like(heavy)
+    left = ~heavy
+    while left.any():
+        one = np.zeros_like(heavy)
+        one[np.flatnonzero(left)[0]] = True
+        _join(network, one, ~heavy)
+        left &= ~one
+        if _same_in_all_rows(network, _part_for(network, one)):
+            found |= one
+    return found
 
 
-def _group_of(tracked: Tracked, k: int, heavy: NDArray[np.bool_], carrier: Ints, of_element: Ints) -> int:
+def _join(network: Network, one: NDArray[np.bool_], within: NDArray[np.bool_]) -> None:
+    """Add to some coordinates those within others that an element or their parents tie to them."""
+    links = [_terms(network, e) for e in range(len(network.elements))]
+    links += [np.array(network.chain(int(i)), dtype=np.int64) for i in np.flatnonzero(within)]
+    while True:
+        before = one.copy()
+        for link in links:
+            own = link[within[link]]
+            if one[own].any():
+                one[own] = True
+        if (one == before).all():
+            return
+
+
+def _terms(network: Network, e: int) -> Ints:
+    """The coordinates on which an element's deflection depends."""
+    return network.term_coordinate[network.term_start[e] : network.term_start[e + 1]]
+
+
+def _part_for(network: Network, coordinates: NDArray[np.bool_]) -> Part:
+    """Those coordinates with the elements that depend on nothing else, and no quantities."""
+    elements = [e for e in range(len(network.elements)) if coordinates[_terms(network, e)].all()]
+    return Part(np.flatnonzero(coordinates), np.array(elements, dtype=np.int64), np.zeros(0, dtype=np.int64))
+
+
+def _group_of_element(network: Network, e: int, group: Ints) -> int:
+    """What an element belongs to: the vehicle whose occupants it holds, or what is alike in every row."""
+    found = set(group[_terms(network, e)].tolist())
+    return found.pop() if len(found) == 1 else _MIXED
+
+
+def _group_of_quantity(tracked: Tracked, k: int, vehicles: Part, group: Ints, of_element: Ints) -> int:
     """The group that knows all terms of a tracked quantity; a vehicle's own motion is known to its occupants too."""
-    groups, vehicles = set(), set()
+    groups, carriers = set(), set()
     for n in range(tracked.start[k], tracked.start[k + 1]):
         index = int(tracked.item[n])
         if tracked.family[n] not in _OF_MOTION:
             groups.add(int(of_element[index]))
-        elif heavy[index]:
-            vehicles.add(index)
+        elif index in vehicles.coordinates:
+            carriers.add(index)
         else:
-            groups.add(int(carrier[index]))
+            groups.add(int(group[index]))
     if not groups:
-        return _VEHICLES
-    if len(groups) > 1 or (groups != {_VEHICLES} and vehicles - groups):
+        return _ALIKE
+    if len(groups) > 1 or (groups != {_ALIKE} and carriers - groups):
         return _MIXED
     return groups.pop()
 
@@ -124,6 +175,7 @@ def _same_in_all_rows(network: Network, part: Part) -> bool:
     tables = [(getattr(network, name), part.coordinates) for name in _OF_COORDINATE]
     tables += [(getattr(network, name), part.elements) for name in _OF_ELEMENTS]
     tables += [(getattr(network, name), _pieces(network, part.elements)) for name in _OF_PIECES]
+    tables += [(getattr(network, name), _timers(network, part.elements)) for name in _OF_TIMERS]
     tables += [(network.duration[np.newaxis], np.zeros(1, dtype=np.int64))]
     return all(_same(table, rows, end) for end in (2, network.size) for table, rows in tables)
 
@@ -140,17 +192,21 @@ def _pieces(network: Network, elements: Ints) -> Ints:
     return np.concatenate([np.zeros(0, dtype=np.int64), *ranges])
 
 
+def _timers(network: Network, elements: Ints) -> Ints:
+    return np.flatnonzero(np.isin(network.timer_element, elements))
+
+
 def network_of(network: Network, part: Part, phases: Phases | None = None) -> Network:
-    """A part as a network of its own: the vehicles in a single row, or, on their phases, the occupants of one in all rows."""
+    """A part as a network of its own: what is alike, in a single row; or, on a vehicle's phases, its occupants in all rows."""
     place, of_element = _places(len(network.coordinates), part.coordinates), _places(len(network.elements), part.elements)
     pieces = _pieces(network, part.elements)
-    timers = np.flatnonzero(np.isin(network.timer_element, part.elements))
+    timers = _timers(network, part.elements)
     terms, reactions = (_rows(start, part.elements) for start in (network.term_start, network.reaction_start))
     size = network.size if phases else 1
     numbers: dict[str, Any] = {name: _part_of(getattr(network, name), part.elements, size) for name in _OF_ELEMENTS}
     numbers |= {name: _part_of(getattr(network, name), pieces, size) for name in _OF_PIECES}
     numbers |= {name: _part_of(getattr(network, name), part.coordinates, size) for name in _OF_COORDINATE}
-    numbers |= {name: _part_of(getattr(network, name), timers, size) for name in ("timer_time", "timer_value")}
+    numbers |= {name: _part_of(getattr(network, name), timers, size) for name in _OF_TIMERS}
     numbers |= {name: getattr(network, name)[:size] for name in ("pulse_amplitude", "pulse_length", "duration")}
     assert set(numbers) == set(NUMBERS)
     smaller = replace(

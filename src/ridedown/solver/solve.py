@@ -74,7 +74,7 @@ def tracked(
 def solve_many(network: Network, quantities: workspace.Tracked = _NOTHING, *, work: bool = False, threads: int = 1) -> Solved:
     """Solve every crash of the network's columns, in lanes, on up to so many threads (the interpreter is released).
 
-    Vehicles that move the same in every row, whatever their occupants do, are solved once (see `apart`). `work`: also integrate
+    What moves the same in every row, whatever others do, is solved once (see `apart`). `work`: also integrate
     the work done on each element.
     """
     parts = apart(network, quantities) if network.size >= _WORTH_IT else None
@@ -111,9 +111,8 @@ def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool,
 
 
 def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, *, work: bool, threads: int) -> Solved | None:
-    """The vehicles once, then the occupants of each; None where the vehicles cannot be solved to the end."""
-    alone = network_of(network, parts.vehicles)
-    phases, stop = solve_one(alone)
+    """What is alike in all rows once, then the occupants that differ; None where the vehicles cannot be solved to the end."""
+    phases, stop = solve_one(network_of(network, parts.vehicles))
     if stop != Stop.COMPLETED:
         return None
     solved = Solved(*workspace.results_for(network, quantities))
@@ -121,7 +120,7 @@ def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, 
     solved.time[:] = phases.end
     for part, own_network in (
         *((part, network_of(network, part, phases)) for part in parts.occupants),
-        (parts.vehicles, alone),
+        (parts.alike, network_of(network, parts.alike)),
     ):
         own = _solve_whole(own_network, tracked_of(network, quantities, part), work=work, threads=threads)
         _put(solved, part, own, quantities.sense)
