@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -189,10 +190,18 @@ class _Kept:
 
     def columns(self, *quantities: Quantity, where: Mapping[str, float] | None = None) -> list[Floats]:
         """Columns in the order of the rows, (R,) each; NaN where a row has none. Of very many rows, evenly many."""
-        rules = [f"{quoted(name)} = ?" for name in where or {}]
-        if not rules:
-            rules = [f"row % {max(1, -(-self.summary['rows'] // _MOST_ROWS))} = 0"]
-        return self._fetched(quantities, f"WHERE {' AND '.join(rules)}", list((where or {}).values()))
+        if where:
+            rules = " AND ".join(f"{quoted(name)} = ?" for name in where)
+            return self._fetched(quantities, f"WHERE {rules}", list(where.values()))
+        return [self._evenly[quantity.name] for quantity in quantities]
+
+    @cached_property
+    def _evenly(self) -> dict[str, Floats]:
+        """Parameters and what is drawn, read at once, for they lie in the same files."""
+        quantities = [*self.parameters, *self.drawn]
+        every = max(1, -(-self.summary["rows"] // _MOST_ROWS))
+        columns = self._fetched(quantities, f"WHERE row % {every} = 0", [])
+        return {quantity.name: column for quantity, column in zip(quantities, columns, strict=True)}
 
     def every(self, *quantities: Quantity) -> list[Floats]:
         """The same of every row, however many."""

@@ -352,7 +352,7 @@ def _side_by_side(network: Network, tracked: Tracked, *, each: bool) -> tuple[In
     leader, direction = np.arange(len(network.elements)), np.ones(len(network.elements))
     heard = tracked.item[np.isin(tracked.family, (Family.DEFLECTION, Family.DEFLECTION_RATE, Family.FORCE))]
     first: dict[tuple[tuple[float, ...], ...], int] = {}
-    for e in np.flatnonzero((network.law == Law.RESTRAINT) & (network.lever < 0)):
+    for e in np.flatnonzero((network.law == Law.RESTRAINT) & (network.lever < 0)).tolist():
         if each or e in heard:
             continue
         terms = slice(network.term_start[e], network.term_start[e + 1])
