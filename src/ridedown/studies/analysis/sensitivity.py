@@ -20,9 +20,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from SALib.analyze import morris as morris_analysis
-from SALib.analyze import sobol as sobol_analysis
-from SALib.sample import morris as morris_sample
 
 from ridedown.errors import InvalidInput
 from ridedown.studies.analysis.designs import Seed, Sobol, Variables, seed_of
@@ -173,6 +170,8 @@ def _outcome_indices(
         indices = tuple(Index(name, none, none, still) for name, still in zip(names, idle, strict=True))
         mean = float(whole.mean()) if size else np.nan
         return OutcomeIndices(outcome, indices, constant, mean, 0.0 if constant else np.nan, size, len(values))
+    from SALib.analyze import sobol as sobol_analysis  # noqa: PLC0415  slow to import
+
     found = sobol_analysis.analyze(
         {"num_vars": d, "names": list(names), "bounds": [[0.0, 1.0]] * d},
         whole.ravel(),
@@ -226,6 +225,8 @@ def morris_screening(
     fixed, names = seed_of(seed), _independent(variables)
     d = len(names)
     problem = {"num_vars": d, "names": list(names), "bounds": [[0.0, 1.0]] * d}
+    from SALib.sample import morris as morris_sample  # noqa: PLC0415  slow to import
+
     rows = morris_sample.sample(problem, trajectories, num_levels=levels, seed=np.random.default_rng([fixed, 0]))
     runs = Runs(evaluator, outcomes, batch=batch, total=len(rows), progress=progress)
     found = runs(variables.columns(0.01 + 0.98 * rows))
@@ -257,6 +258,8 @@ def _outcome_effects(
         effects = tuple(Effect(name, np.nan, none, np.nan, idle=False) for name in names)
         return OutcomeEffects(outcome, effects, constant=False, trajectories=size, of_trajectories=len(each))
     paths = rows.reshape(-1, d + 1, d)[kept]
+    from SALib.analyze import morris as morris_analysis  # noqa: PLC0415  slow to import
+
     found = morris_analysis.analyze(
         dict(problem), paths.reshape(-1, d), whole.ravel(), num_levels=levels, conf_level=confidence, seed=rng
     )
