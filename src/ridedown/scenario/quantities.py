@@ -269,4 +269,7 @@ VelocityChange = Annotated[
     float, Quantity(SPEED, above=0.0, fix="A named shape brakes the car: give its change of velocity as a magnitude.")
 ]
 Part = Annotated[float, Quantity(FRACTION, least=0.0, most=1.0, fix='Write 40 % as "40 %" or 0.4.')]
+Share = Annotated[float, Quantity(FRACTION)]
+"""A part of a whole, where the rule between 0 and 1 is the model's own."""
+SampleStep = Annotated[float, Quantity(TIME, least=1e-6, most=1e-3, fix="A clip lasts 3 ms: 0.1 ms suits all criteria.")]
 Factor = Annotated[float, Quantity(FRACTION, above=0.0, fix="Write 1 for the pulse as it is.")]

@@ -51,7 +51,9 @@ REFUSED = [
     ([BELT | {"values": None, "grid": {"start": 0, "stop": 1, "count": 5, "spacing": "log"}}], ["start", "log"]),
     ([BELT | {"values": None, "range": [2, 1]}], ["range"]),
     ([BELT | {"name": "status"}], ["status"]),
+    ([BELT | {"name": "Row"}], ["Row"]),
     ([BELT, BELT], ["a second time"]),
+    ([BELT | {"name": "k"}, {"name": "K", "path": "adult.mass", "values": [1, 2]}], ['"K" beside "k"']),
     ([BELT, BELT | {"name": "again"}], ["sets too"]),
     ([{"paths": ["adult.restraint.stiffness", "adult.mass"], "values": [1, 2]}], ["a stiffness", "a mass"]),
 ]

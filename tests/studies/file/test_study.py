@@ -7,7 +7,7 @@ import pytest
 from ridedown import load
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import dump
-from ridedown.studies.file.limits import limits_of
+from ridedown.studies.file.limits import limits_of, value_of
 from ridedown.studies.file.study import load_study
 from ridedown.studies.rows.plan import plan_of
 
@@ -71,6 +71,10 @@ REFUSED = [
     ({"limits": [{"outcome": "adult.hic15"}]}, ["limits.0.most"]),
     ({"parameters": [{"path": "adult.mass", "range": [60, 80]}]}, ["parameters.0.values", "sweep"]),
     ({"step": 0}, ["step"]),
+    ({"step": "20 ms"}, ["step", "20 ms", "<= 0.001 s"]),  # a 3 ms clip of such samples is no clip
+    ({"step": 1e-9}, ["step", ">= 1e-06 s"]),
+    ({"kind": "sample", "sample": {"confidence": "95 g"}}, ["sample.confidence", "a fraction such as"]),
+    ({"kind": "sample", "sample": {"confidence": "195 %"}}, ["sample.confidence", "between 0 and 1"]),
 ]
 
 
@@ -80,6 +84,30 @@ def test_refused_in_one_sentence(change, said):
         load_study({**SWEEP, **change})
     for words in said:
         assert words in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["adult.clip_3ms", "Adult.Clip_3ms"])
+def test_a_parameter_does_not_take_the_place_of_an_outcome(name):
+    study = {**SWEEP, "outcomes": ["adult.clip_3ms"], "parameters": [BELT | {"name": name}]}
+    with pytest.raises(InvalidInput, match=r"parameters\.0\.name: got .*the name of an outcome"):
+        plan_of(load_study(study))
+
+
+def test_shares_may_be_in_percent():
+    assert load_study({**SWEEP, "kind": "sample", "sample": {"confidence": "90 %"}}).study.sample.confidence == 0.9
+    constraint = {"outcome": "adult.clip_3ms", "measure": "quantile", "share": "95 %", "most": "40 g"}
+    optimise = {"objectives": [{"outcome": "adult.excursion.max"}], "constraints": [constraint]}
+    found = load_study(
+        {**STUDY_OF_ONE, "kind": "optimise", "population": [{"values": {"adult.mass": 50}}], "optimise": optimise}
+    )
+    assert found.study.optimise.constraints[0].share == 0.95
+
+
+@pytest.mark.parametrize(("given", "value"), [("30 %", 0.3), (0.3, 0.3)])
+def test_limits_without_a_unit_are_bare_or_in_percent(given, value):
+    assert value_of("limits.0.most", given, "") == pytest.approx(value, rel=1e-15)
+    with pytest.raises(InvalidInput, match=r"limits\.0\.most: .*This outcome has no unit"):
+        value_of("limits.0.most", "30 g", "")
 
 
 def test_unknown_names_offer_the_nearest():

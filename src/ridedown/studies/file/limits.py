@@ -8,7 +8,7 @@ from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario.quantities import Refused, read
 from ridedown.studies.analysis.evaluation import Limit
 from ridedown.studies.file.study import Study
-from ridedown.units import dimension
+from ridedown.units import FRACTION, dimension
 
 _SIDES = ("most", "least")
 
@@ -58,11 +58,10 @@ def bounds_of(where: str, given: Bounds, unit: str) -> dict[str, float]:
 
 def value_of(where: str, given: float | str, unit: str) -> float:
     """A value of an outcome with this SI unit, bare SI or with a unit, in SI. Raises: InvalidInput."""
-    if isinstance(given, str) and unit:
-        try:
-            return read(given, dimension(unit))
-        except Refused as refused:
-            raise InvalidInput(f"{where}: {refused}") from None
-    if isinstance(given, str):
-        raise InvalidInput(f'{where}: got "{given}"; need a bare number. This outcome has no unit.')
-    return float(given)
+    if not isinstance(given, str):
+        return float(given)
+    try:
+        return read(given, dimension(unit) if unit else FRACTION)
+    except Refused as refused:
+        bare = f'got "{given}"; need a bare number, or one with %. This outcome has no unit.'
+        raise InvalidInput(f"{where}: {refused if unit else bare}") from None

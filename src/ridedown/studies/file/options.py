@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ridedown.scenario.base import Check, Model
-from ridedown.scenario.quantities import Deflection, Distance, Duration, Factor, Quantity, Slack
+from ridedown.scenario.quantities import Deflection, Distance, Duration, Factor, Quantity, Share, Slack
 from ridedown.studies.file.parameters import Grid, Raw
 from ridedown.units import ACCELERATION
 
@@ -78,7 +78,7 @@ class Measured(Model):
     outcome: str = Field(description="name of an outcome")
     measure: Measures = "mean"
     sigmas: float | None = None
-    share: float | None = None
+    share: Share | None = None
     above: Raw | None = None
     below: Raw | None = None
 
@@ -156,8 +156,8 @@ class BoxOptions(Model):
     """How a solution box is sought and verified, see `ridedown.studies.analysis.box`."""
 
     size: Literal["volume", "shortest-side"] = "volume"
-    bad_share: float = Field(0.01, description="share of bad designs that is ruled out")
-    confidence: float = Field(0.95, description="with which it is")
+    bad_share: Share = Field(0.01, description="share of bad designs that is ruled out")
+    confidence: Share = Field(0.95, description="with which it is")
     rows: int = Field(256, strict=True, description="rows of a round")
     rounds: int = Field(80, strict=True, description="rounds of the search")
     seed: int = Field(0, strict=True, description="a whole number from 0")

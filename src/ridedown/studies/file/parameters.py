@@ -75,7 +75,7 @@ class StudyParameter(Model):
         words = ", ".join(WAYS)
         yield Check("values", len(given) == 1, " and ".join(given) or "nothing", f"one of {words}", "Say how it varies once.")
         yield Check("values", self.values is None or bool(self.values), "an empty list", "one value or more")
-        reserved = self.name not in {"row", "status", "why"}
+        reserved = self.name.lower() not in {"row", "status", "why"}
         yield Check("name", reserved, f'"{self.name}"', "a name that results have no column of", "Rename it.")
 
 
@@ -108,8 +108,9 @@ def resolve(
     called = where or [f"parameters.{i}" for i in range(len(given))]
     varied = tuple(_resolved(name, parameter, known) for name, parameter in zip(called, given, strict=True))
     for (first, one), (second, other) in itertools.combinations(zip(called, varied, strict=True), 2):
-        if one.name == other.name:
-            raise InvalidInput(f'{second}.name: got "{other.name}" a second time; need a name of its own. Rename it.')
+        if one.name.lower() == other.name.lower():  # SQL, which results are asked in, knows no case
+            again = "a second time" if one.name == other.name else f'beside "{one.name}"'
+            raise InvalidInput(f'{second}.name: got "{other.name}" {again}; need a name of its own. Rename it.')
         for scenario in scenarios:
             twice = set(one.targets.get(scenario, ())) & set(other.targets.get(scenario, ()))
             if twice:

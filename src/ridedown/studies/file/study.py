@@ -18,7 +18,7 @@ from ridedown import catalogue
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.scenario import Scenario, load, lower
 from ridedown.scenario.base import Check, Model, Name
-from ridedown.scenario.quantities import Duration, Factor
+from ridedown.scenario.quantities import Factor, SampleStep, Share
 from ridedown.scenario.reading import SUFFIXES, anchored, table_in, text_of
 from ridedown.studies.file.options import BoundOptions, BoxOptions, Member, OptimiseOptions
 from ridedown.studies.file.parameters import StudyParameter
@@ -60,7 +60,7 @@ class SampleOptions(Model):
     design: Literal["sobol", "latin-hypercube", "random"] = "sobol"
     scramblings: int = Field(16, strict=True, description="independent parts of a Sobol sequence, by which it is judged")
     seed: int = Field(0, strict=True, description="a whole number from 0")
-    confidence: float = Field(0.95, description="of intervals")
+    confidence: Share = Field(0.95, description="of intervals")
     rare: bool = Field(default=False, strict=True, description="whether rows are drawn where a limit is exceeded")
     level_rows: int = Field(2000, strict=True, description="rows of each level of the search, of a rare event")
     components: int = Field(2, strict=True, description="at least as many as there are separate ways to exceed the limit")
@@ -82,7 +82,7 @@ class SensitivityOptions(Model):
     method: Literal["sobol", "morris"] = "sobol"
     rows: int = Field(1024, strict=True, description="blocks or trajectories, best a power of two")
     seed: int = Field(0, strict=True, description="a whole number from 0")
-    confidence: float = Field(0.95, description="of intervals")
+    confidence: Share = Field(0.95, description="of intervals")
 
     def checks(self) -> Iterator[Check]:
         """Rules between the fields."""
@@ -127,7 +127,7 @@ class Study(Model):
     optimise: OptimiseOptions | None = Field(None, description="what is sought")
     box: BoxOptions | None = Field(None, description="how a solution box is sought")
     bound: BoundOptions | None = Field(None, description="what limiting performance is asked for")
-    step: Duration = Field(1e-4, description="time between the samples that criteria are computed from")
+    step: SampleStep = Field(1e-4, description="time between the samples that criteria are computed from")
 
     def complete(self) -> None:
         """Fill in the options of its kind."""

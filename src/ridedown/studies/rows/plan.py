@@ -182,6 +182,7 @@ def plan_of(loaded: LoadedStudy) -> Plan:
         weights=loaded.weights,
         step=study.step,
     )
+    _check_names(parameters, function.units)
     if (most := _most_asked(study)) is not None:
         asked = Asked(variables_of(study, parameters), most)
         return Plan(loaded.hash, {one.name: one.unit for one in parameters}, asked, function, ASKED_CHUNK)
@@ -190,6 +191,16 @@ def plan_of(loaded: LoadedStudy) -> Plan:
         raise InvalidInput(f"parameters: got {design.rows:.3g} rows; need at most {MOST_ROWS:g}. Take fewer values.")
     chunk_rows = CHUNK if design.rows <= MANY_ROWS else LARGE_CHUNK
     return Plan(loaded.hash, {one.name: one.unit for one in parameters}, design, function, chunk_rows)
+
+
+def _check_names(parameters: tuple[Varied, ...], outcomes: Mapping[str, str]) -> None:
+    """Refuse a parameter that an outcome's column would take the place of. Case is none of SQL's concern."""
+    columns = {name.lower() for name in outcomes}
+    for i, one in enumerate(parameters):
+        if one.name.lower() in columns:
+            raise InvalidInput(
+                f'parameters.{i}.name: got "{one.name}", the name of an outcome; need one of its own. Rename it.'
+            )
 
 
 def parameters_of(loaded: LoadedStudy) -> tuple[Varied, ...]:
