@@ -69,6 +69,8 @@ def test_file(tmp_path):
         for sign, name in ((1, "tunnel left x"), (-1, "tunnel right x"))
     ]
     curves.append(TimeHistory(pulse * 0 + 5, "N", start=-0.02, interval=1e-4, name="belt"))
+    codes = (("across", "11CHST0000H3ACYA"), ("in all", "11CHST0000H3ACRA"))
+    curves += [TimeHistory(pulse, "m/s2", start=-0.02, interval=1e-4, name=name, code=code) for name, code in codes]
     write(TestRecord.of(curves, identifier="run7"), tmp_path / "run7.csv")
     return tmp_path / "run7.csv"
 
@@ -218,6 +220,8 @@ def test_a_measured_pulse_is_the_mean_of_its_channels(test_file):
     assert found.channels == ("tunnel left x", "tunnel right x")
     assert found.gone == pytest.approx(12, rel=1e-4)
     assert found.samples == 1801
+    # each is a sine of 1 g and 300/s off the mean: its velocity 2 g / 300 at most
+    assert found.apart == pytest.approx(2 * 9.80665 / 300, rel=1e-3)
     assert found.time[0] == 0.0
     assert found.time.size < 30
     assert load(tomllib.loads(dump(scenario))) == scenario
@@ -277,6 +281,8 @@ def test_its_files_are_looked_at_a_few_times_for_a_table_of_crashes(test_file, m
         ({"channels": "tunel left x"}, 'pulse.channels: got "tunel left x"; need a channel of'),
         ({"channels": []}, "pulse.channels: got an empty list"),
         ({"channels": "belt"}, 'pulse.channels: got "belt", in "N"; need an acceleration'),
+        ({"channels": ["tunnel left x", "across"]}, 'pulse.channels: got "across", along y; need an acceleration along x'),
+        ({"channels": "in all"}, 'pulse.channels: got "in all", a resultant; need an acceleration along x'),
         ({"cfc": 0}, "pulse.cfc: got 0; need a channel frequency class"),
         ({"cfc": 2000}, "pulse.cfc: got 2000; need what its signal allows"),
         ({"window": "1 s"}, "pulse.window: got 1 s; need 0.18 s at most"),

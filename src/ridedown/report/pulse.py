@@ -13,7 +13,7 @@ from ridedown import criteria, signals
 from ridedown.errors import InvalidInput
 from ridedown.report.tables import Column, Table, number
 from ridedown.scenario import Scenario, SledScenario
-from ridedown.scenario.pulse_measured import MeasuredPulse
+from ridedown.scenario.pulse_measured import MeasuredPulse, Recorded
 from ridedown.scenario.pulse_motion import PulseMotion
 from ridedown.signals.history import Floats, TimeHistory
 from ridedown.signals.keyword import SUFFIXES, define_curve, write_keyword
@@ -21,6 +21,7 @@ from ridedown.signals.record import TestRecord
 
 _KMH, _MS = 3.6, 1e3
 _SLED = "Vehicle, as prescribed"
+_ONE_MOTION = 0.05  # of the velocity taken away: how far sensors of one motion may come from their mean
 _AT_REST = 1e-9  # of the speed at the start
 _TOLERANCE = 1e-4  # of the peak: how straight a curve is between the points that are written of it
 _FINE = 1e-6  # of the peak: the same, for what is measured on it
@@ -145,7 +146,16 @@ def about(scenario: Scenario) -> tuple[str, ...]:
         f"channel {found.channels[0]}" if len(found.channels) == 1 else f"mean of channels {', '.join(found.channels)}"
     )
     knots = f"{found.time.size} knots for {found.samples} values"
-    return (f"Measured pulse: {channels_used} of {Path(pulse.file).name}, {state}; {knots}.",)
+    return (f"Measured pulse: {channels_used} of {Path(pulse.file).name}, {state}; {knots}{_apart(found)}.",)
+
+
+def _apart(found: Recorded) -> str:
+    """How far sensors that were averaged agree: whether they measured one motion, the user has to judge."""
+    if len(found.channels) == 1:
+        return ""
+    odd = found.apart > _ONE_MOTION * abs(found.gone)
+    words = "velocities disagree, coming" if odd else "velocities come"
+    return f"; {words} up to {found.apart:.2f} m/s away from their mean"
 
 
 def write_pulse(path: Path, motion: PulseMotion, *, name: str, vehicle: str, curve: int = 1) -> int:

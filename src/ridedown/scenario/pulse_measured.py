@@ -65,7 +65,8 @@ class Recorded:
     """A measured pulse, read and reduced: knots' times [s] and accelerations [m/s2].
 
     samples: how many values it stands for. speed [m/s]: the vehicle's at contact, None where the record does not say. channels:
-    which were used. gone: velocity taken from the vehicle at the end of the window [m/s].
+    which were used. gone: velocity taken from the vehicle at the end of the window [m/s]. apart: how far the velocity of one of
+    several sensors comes away from their mean, at most [m/s].
     """
 
     time: Floats
@@ -74,6 +75,7 @@ class Recorded:
     speed: float | None
     channels: tuple[str, ...]
     gone: float
+    apart: float
 
 
 class MeasuredPulse(OwnPulse):
@@ -162,10 +164,17 @@ def _recorded(
     whole = histories[0] if len(histories) == 1 else _tried("channels", _JOIN.join(channels), lambda: mean(*histories))
     part = _window(reversed_sign(whole) if turned else whole, time_zero, window)
     time, value = part.time - time_zero, part.values
+    apart = max(_apart(_window(history, time_zero, window), _window(whole, time_zero, window)) for history in histories)
     knots, values = reduced(time, value)
     knots[0], knots[-1] = 0.0, time[-1]
     gone = -float(np.trapezoid(value, time))
-    return Recorded(knots, values, len(part), _speed(record, channels[0]), channels, gone)
+    return Recorded(knots, values, len(part), _speed(record, channels[0]), channels, gone, apart)
+
+
+def _apart(one: TimeHistory, other: TimeHistory) -> float:
+    """How far two velocities come apart, from two accelerations at the same times [m/s]."""
+    between = one.values - other.values
+    return float(np.abs(np.cumsum(0.5 * (between[1:] + between[:-1]) * np.diff(one.time))).max())
 
 
 def _stamp(path: Path) -> tuple[tuple[str, int, int], ...]:
@@ -213,6 +222,9 @@ def _history(record: TestRecord, key: str) -> TimeHistory:
     except InvalidInput as problem:
         raise Refused(f'"{key}"', "a channel that can be read", str(problem), field="channels") from None
     fix = "A pulse is the acceleration of the vehicle along x."
+    if (axis := record.channel(key).axis) not in {"", "x", "-x"}:  # a sensor the other way round may be turned
+        which = "a resultant" if axis == "resultant" else f"along {axis}"
+        raise Refused(f'"{key}", {which}', "an acceleration along x", fix, field="channels")
     try:
         return history.converted("m/s2")
     except InvalidInput:

@@ -10,6 +10,7 @@ import pytest
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.report.calibration import plots
 from ridedown.scenario import load, substitute
+from ridedown.signals import TestRecord
 from ridedown.simulation import simulate
 from ridedown.studies import calibrate
 from ridedown.studies.calibration import fit
@@ -219,13 +220,15 @@ def test_what_is_wrong_is_said(changes, error, words):
         ({"outcome": "adult.excursion.max", "value": "0.2 m"}, InvalidInput, "sigma"),
         ({"outcome": "adult.excursion.max", "value": "2 kN", "sigma": "1 mm"}, InvalidInput, "value"),
         ({"outcome": "adult.excursion.max", "value": 0.2, "sigma": 0.0}, InvalidInput, "sigma"),
-        ({"outcome": "adult.excursion.mux", "value": 0.2, "sigma": 0.1}, UnknownName, "max"),
-        (CHEST | {"channel": "adult.exursion"}, UnknownName, "excursion"),
-        (CHEST | {"measured": "chst"}, UnknownName, "channel"),
+        ({"outcome": "adult.excursion.mux", "value": 0.2, "sigma": 0.1}, UnknownName, r"^cases\.0\.targets\.0\.outcome: .*max"),
+        (CHEST | {"channel": "adult.exursion"}, UnknownName, r"^cases\.0\.targets\.0\.channel: .*excursion"),
+        (CHEST | {"measured": "chst"}, UnknownName, r"^cases\.0\.targets\.0\.measured: channel"),
+        (CHEST | {"measured": ["adult.acceleration", "adult.excursion"]}, InvalidInput, r"targets\.0\.measured: .*one unit"),
         (CHEST | {"measured": "adult.excursion"}, InvalidInput, "acceleration"),
         (CHEST | {"window": ["0 ms", "900 ms"]}, InvalidInput, "window"),
         (CHEST | {"window": ["90 ms", "50 ms"]}, InvalidInput, "window"),
         (CHEST | {"cfc": 10000}, InvalidInput, "cfc"),
+        (CHEST | {"cfc": "100 Hz"}, InvalidInput, "which is no frequency"),
         (CHEST | {"weight": 0}, InvalidInput, "weight"),
         (CHEST | {"outcome": "adult.excursion.max"}, InvalidInput, "both"),
     ],
@@ -233,4 +236,13 @@ def test_what_is_wrong_is_said(changes, error, words):
 def test_a_target_that_cannot_be_is_refused(target, error, words):
     test = record(TRUE, noise=1.0)
     with pytest.raises(error, match=words):
+        calibrate(spec(test, cases=[{"name": "sled", "scenario": BASE, "record": test, "targets": [target]}]))
+
+
+@pytest.mark.parametrize(("code", "said"), [("11CHST0000H3ACYA", "along y"), ("11CHST0000H3ACRA", "a resultant")])
+def test_a_channel_that_is_not_along_x_is_refused(code, said):
+    made = record(TRUE, noise=1.0).history("adult.acceleration")
+    test = TestRecord.of([made.replaced(name="chest", code=code)], identifier="sled 7")
+    target = CHEST | {"measured": "chest"}
+    with pytest.raises(InvalidInput, match=rf"targets\.0\.measured: got 'chest', .*{said}; need one along x"):
         calibrate(spec(test, cases=[{"name": "sled", "scenario": BASE, "record": test, "targets": [target]}]))

@@ -20,7 +20,7 @@ from ridedown.scenario.base import Check, Model
 from ridedown.scenario.quantities import Quantity, Refused
 from ridedown.scenario.reading import table_in, text_of
 from ridedown.signals.record import TestRecord
-from ridedown.units import FREQUENCY, TIME
+from ridedown.units import TIME
 
 Title = Annotated[str, StringConstraints(min_length=1, max_length=80, strip_whitespace=True)]
 
@@ -48,6 +48,13 @@ def _positive(value: object) -> object:
     return float(value)
 
 
+def _class(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0.0 < float(value) < float("inf"):
+        fix = "The standards name 60, 180, 600 and 1000; class 60 lets 100 Hz pass. Leave it out for no filter."
+        raise Refused(f"{value!r}", "a channel frequency class > 0 such as 60, which is no frequency", fix)
+    return float(value)
+
+
 def _scenario(value: object) -> object:
     if isinstance(value, str | os.PathLike | Mapping | Scenario):
         return value
@@ -64,7 +71,7 @@ Written = Annotated[float | str, BeforeValidator(_written)]
 """A number whose dimension is known later."""
 Weight = Annotated[float, BeforeValidator(_positive)]
 Time = Annotated[float, Quantity(TIME)]
-Class = Annotated[float, Quantity(FREQUENCY, above=0.0, fix="The standards name 60, 180, 600 and 1000.")]
+Class = Annotated[float, BeforeValidator(_class)]
 Keys = Annotated[tuple[Annotated[str, BeforeValidator(_key)], ...], BeforeValidator(_several)]
 
 

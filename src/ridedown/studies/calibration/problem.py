@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ridedown import units
-from ridedown.errors import InvalidInput
+from ridedown.errors import InvalidInput, UnknownName
 from ridedown.network import Channel, Network, channels
 from ridedown.network.channels import find
 from ridedown.outcomes import Outcomes, wanted
@@ -32,6 +33,9 @@ Floats = NDArray[np.float64]
 
 EXPECTED_MISFIT = 0.05
 """What a channel is expected to be off by, over its peak, where the file does not say."""
+
+_ALONG_X = ("m/s2", "m/s")
+"""Units of what a measured channel has to be along x for: bodies move along it, forces and deflections may point elsewhere."""
 
 _STEPS_PER_CLASS = 40  # samples in 1/class: 24 in a period of the corner, so that peaks between samples lose little
 _FINEST, _MOST_STEPS, _FEWEST_STEPS = 5e-5, 1000, 150
@@ -210,10 +214,22 @@ def known_channels(scenario: Scenario, network: Network) -> dict[str, Channel]:
     return {**channels(network), **total_forces(getattr(scenario, "occupants", ()), network)}
 
 
+@contextmanager
+def _said_of(field: str) -> Iterator[None]:
+    """Have what is refused within say of which field of the file it is."""
+    try:
+        yield
+    except UnknownName as unknown:
+        raise UnknownName(f"{field}: {unknown}") from None
+    except InvalidInput as problem:
+        raise InvalidInput(f"{field}: {problem}") from None
+
+
 def _channel(
     target: Target, known: dict[str, Channel], network: Network, record: TestRecord | None, where: str
 ) -> ChannelTarget:
-    channel = find(known, target.channel)
+    with _said_of(f"{where}.channel"):
+        channel = find(known, target.channel)
     duration = float(network.duration.max())
     measured = None
     if target.measured:
@@ -249,19 +265,25 @@ def _channel(
 
 def _measured(target: Target, record: TestRecord, unit: str, where: str) -> TimeHistory:
     """The measured channel, or the mean of several, in SI, filtered."""
-    histories = [record.history(key) for key in target.measured]
-    one = histories[0] if len(histories) == 1 else mean(*histories)
+    with _said_of(f"{where}.measured"):
+        histories = [record.history(key) for key in target.measured]
+        one = histories[0] if len(histories) == 1 else mean(*histories)
     if units.dimension(one.unit) is not units.dimension(unit):
         raise InvalidInput(
             f"{where}.measured: got a channel in {one.unit!r}; need {units.dimension(unit).called}, as {target.channel!r} is. "
             "Name another channel."
         )
+    for key in target.measured if unit in _ALONG_X else ():
+        if (axis := record.channel(key).axis) not in {"", "x"}:
+            which = "a resultant" if axis == "resultant" else f"a channel along {axis}"
+            raise InvalidInput(f"{where}.measured: got {key!r}, {which}; need one along x, as the model moves. Name that one.")
     si = one.converted(unit)
     return si if target.cfc is None else filtered(si, target.cfc)
 
 
 def _number(target: Target, known: dict[str, Channel], network: Network, where: str) -> NumberTarget:
-    unit = wanted(network, [target.outcome], further=known).units[0]
+    with _said_of(f"{where}.outcome"):
+        unit = wanted(network, [target.outcome], further=known).units[0]
 
     def si(field: str) -> Any:
         value = getattr(target, field)
