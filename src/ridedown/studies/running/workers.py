@@ -102,11 +102,13 @@ class Cluster(Workers):
     def __init__(self, address: str) -> None:
         try:
             from dask.distributed import Client, KilledWorker, as_completed  # noqa: PLC0415  an optional extra
+            from distributed.comm.addressing import get_address_host_port  # noqa: PLC0415
         except ImportError:
             raise InvalidInput(
                 "--cluster: got no dask.distributed installed; need it. Install it with `pip install 'ridedown[cluster]'`."
             ) from None
         try:
+            get_address_host_port(address)  # a Client of an address that is none hangs in its own end, then says so at length
             self._client = Client(address, timeout=_PATIENCE, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             raise InvalidInput(
