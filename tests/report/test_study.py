@@ -68,7 +68,8 @@ def test_limits_are_drawn_and_counted(tmp_path, monkeypatch):
     monkeypatch.setattr(report, "summary_of", lambda _folder: summary)
     html = report.page_of(loaded, folder).html()
     assert "Limit, at most 250 mm" in html
-    assert "5 of 12 rows exceed it" in html
+    cells = ["adult.excursion.max", "at most 250 mm", "5", "12", "41.67"]
+    assert re.search(r"\s*".join(rf"<t[hd][^>]*>{re.escape(cell)}</t[hd]>" for cell in cells), html)
     check_alone(html)
 
 
@@ -88,12 +89,14 @@ def test_a_sample_has_distributions_with_the_probability(tmp_path, monkeypatch):
     limit = {"outcome": "adult.excursion.max", "most": 0.25, "least": None, "exceeded": 5, "rows": 24, "failed": 0}
     limit["probability"] = estimate(0.2)
     quantiles = [{"share": share, **estimate(0.2 + 0.1 * share)} for share in (0.05, 0.25, 0.5, 0.95)]
-    results = {"limits": [limit], "outcomes": {"adult.excursion.max": {"quantiles": quantiles}}}
+    results = {"kind": "sample", "limits": [limit], "outcomes": {"adult.excursion.max": {"quantiles": quantiles}}}
+    results |= {"design": "sobol", "seed": 0}
     page = kept_of_kind(tmp_path, monkeypatch, "sample", results)
     assert [section.anchor for section in page.sections] == ["distributions", "exceeded", "tornado", "outcomes"]
     assert "exceeded by 20 % (18 to 22 %)" in page.html()
     assert "5 % are at most 205 mm." in page.sections[0].plots[0].description
     assert "25 %" not in page.sections[0].plots[0].description
+    assert [table.caption for table in page.sections[-1].tables] == ["24 rows", "Limits", "Of sobol rows, seed 0"]
     check_alone(page.html())
 
 

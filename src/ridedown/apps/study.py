@@ -121,71 +121,17 @@ def _show(loaded: LoadedStudy, summary: dict[str, Any], folder: Path) -> None:
     if study.bound is not None:
         _show_bound(loaded, folder)
     elif loaded.searches:
-        _show_found(folder)
+        _show_found(folder, summary)
     else:
         _show_rows(summary)
-    failed = tuple((f"{one['rows']:,}", one["status"], one["why"] or "") for one in summary["failed"])
-    show.tables(
-        Table("Rows that failed", (Column("Rows"), Column("Status", numeric=False), Column("Why", numeric=False)), failed)
-    )
     show.note(f'Kept in {folder}: ridedown query {folder} "SELECT * FROM results LIMIT 5"')
 
 
 def _show_rows(summary: dict[str, Any]) -> None:
     """Print the reach of every outcome, and what the study says."""
-    columns = (
-        Column("Outcome", numeric=False),
-        Column("Unit", numeric=False),
-        Column("Least"),
-        Column("Mean"),
-        Column("Largest"),
-    )
-    rows = tuple(
-        (name, of["unit"], _cell(of["min"]), _cell(of["mean"]), _cell(of["max"])) for name, of in summary["outcomes"].items()
-    )
-    show.tables(Table(f"{summary['rows']:,} rows", columns, rows))
-    if summary["results"] is not None:
-        _show_results(summary["results"])
-        if "method" in summary["results"]:
-            _show_sensitivity(summary["results"])
+    from ridedown.report.study_tables import number_tables, sensitivity_tables  # noqa: PLC0415  draws, which takes a second to load
 
-
-def _show_results(results: dict[str, Any]) -> None:
-    """Print how often, or how likely, limits are exceeded, and the quantiles of a sample."""
-    titles = ("Limit", "Exceeded", "Of rows", "Probability", "From", "To")
-    rows = []
-    for limit in results["limits"]:
-        of = limit.get("probability", {"value": None, "low": None, "high": None})
-        counts = (f"{limit['exceeded']:,}", f"{limit['rows']:,}")
-        rows.append((limit["rule"], *counts, *(_cell(of[end]) for end in ("value", "low", "high"))))
-    drawn = results["kind"] == "sample"
-    columns = tuple(Column(title, numeric=title != "Limit") for title in (titles if drawn else titles[:3]))
-    show.tables(Table("Limits", columns, tuple(tuple(row[: len(columns)]) for row in rows)))
-    if drawn:
-        shares = [one["share"] for one in next(iter(results["outcomes"].values()))["quantiles"]]
-        heads = (Column("Quantiles", numeric=False), *(Column(f"{100 * share:g} %") for share in shares))
-        cells = tuple((name, *(_cell(one["value"]) for one in of["quantiles"])) for name, of in results["outcomes"].items())
-        show.tables(Table(f"Of {results['design']} rows, seed {results['seed']}", heads, cells))
-
-
-def _show_sensitivity(results: dict[str, Any]) -> None:
-    """Print the indices of each outcome, or the effects on it."""
-    sobol = results["method"] == "sobol"
-    one, other = ("first", "total") if sobol else ("mean_size", "deviation")
-    heads = ("First", "From", "To", "Total", "From", "To") if sobol else ("Mean size", "From", "To", "Deviation")
-    for name, of in results["outcomes"].items():
-        rows = []
-        for index in of["indices" if sobol else "effects"]:
-            parts = [index[one], *([index[other]] if sobol else [])]
-            cells = [(_share if sobol else _cell)(part[end]) for part in parts for end in ("value", "low", "high")]
-            rows.append((index["parameter"], *cells, *([] if sobol else [_cell(index[other])])))
-        columns = (Column("Parameter", numeric=False), *(Column(head) for head in heads))
-        show.tables(Table(f"{'Sobol indices' if sobol else 'Elementary effects'} of {name}", columns, tuple(rows)))
-
-
-def _share(value: float | None) -> str:
-    """A share of the variance: what is below a thousandth is rounding, or no matter."""
-    return _cell(None) if value is None else f"{value:.3f}".replace("-0.000", "0.000")
+    show.tables(*number_tables(summary), *sensitivity_tables(summary))
 
 
 def _show_bound(loaded: LoadedStudy, folder: Path) -> None:
@@ -200,12 +146,13 @@ def _show_bound(loaded: LoadedStudy, folder: Path) -> None:
         show.note(f"OLC of the pulse: {found.olc / STANDARD_GRAVITY:.2f} g.")
 
 
-def _show_found(folder: Path) -> None:
+def _show_found(folder: Path, summary: dict[str, Any]) -> None:
     """Print what a search found."""
     from ridedown.report.study_found import Found  # noqa: PLC0415  draws, which takes a second to load
+    from ridedown.report.study_tables import failed_table  # noqa: PLC0415
 
     found = Found(folder)
-    show.tables(*found.tables)
+    show.tables(*found.tables, failed_table(summary))
     for note in found.notes:
         show.note(note)
 

@@ -20,8 +20,9 @@ from ridedown.report.study_sample import cumulative_plot, distribution_plot
 from ridedown.report.study_search import search_plots
 from ridedown.report.study_sensitivity import Interval, effect_plot, idle_sentence, index_plot, tornado_plot
 from ridedown.report.study_sweep import carpet_plot, line_plot, map_plot
+from ridedown.report.study_tables import failed_table, number_tables, sensitivity_tables
 from ridedown.report.style import Plot
-from ridedown.report.tables import Column, Table, number
+from ridedown.report.tables import Column, Table
 from ridedown.studies.bound import BoundStudy
 from ridedown.studies.file.study import LoadedStudy
 from ridedown.studies.results.findings import kept_bound
@@ -82,7 +83,7 @@ def page_of(loaded: LoadedStudy, folder: Path) -> Page:
         return _found_page(kept, folder)
     kinds = {"sweep": _sweep, "sample": _sample, "sensitivity": _sensitivity}
     drawn = tuple(kinds[kept.kind](kept)) if kept.kind in kinds else ()
-    tables = tuple(table for table in (_outcomes(kept), _limits(kept), _failed(kept)) if table.rows)
+    tables = (*sensitivity_tables(kept.summary), *number_tables(kept.summary))
     sections = (*drawn, Section("outcomes", "Outcomes", tables))
     study = loaded.study
     rows = f"{kept.summary['done']:,} of {kept.summary['rows']:,} rows; kind {kept.kind}."
@@ -92,7 +93,7 @@ def page_of(loaded: LoadedStudy, folder: Path) -> Page:
 def _found_page(kept: _Kept, folder: Path) -> Page:
     """The page of a study that searched."""
     found, study = Found(folder), kept.loaded.study
-    tables = tuple(table for table in (*found.tables, _failed(kept)) if table.rows)
+    tables = tuple(table for table in (*found.tables, failed_table(kept.summary)) if table.rows)
     sections = [Section("found", "What was found", tables)]
     if found.front is not None:
         parameters, goals, chosen = found.front
@@ -335,47 +336,3 @@ def _probability(limit: Mapping[str, Any]) -> str:
         return f"{limit['exceeded']:,} of {limit['rows']:,} rows exceed it" if "exceeded" in limit else ""
     low, high = (100.0 * found[end] for end in ("low", "high"))
     return f"exceeded by {100.0 * found['value']:.3g} % ({low:.3g} to {high:.3g} %)"
-
-
-def _outcomes(kept: _Kept) -> Table:
-    columns = (
-        Column("Outcome", numeric=False),
-        Column("Unit", numeric=False),
-        Column("Least"),
-        Column("Mean"),
-        Column("Largest"),
-    )
-    rows = []
-    for outcome in kept.outcomes:
-        of = kept.summary["outcomes"][outcome.name]
-        values = tuple("–" if of[key] is None else outcome.text(of[key], unit=False) for key in ("min", "mean", "max"))
-        rows.append((outcome.name, outcome.read_in or "–", *values))
-    return Table(f"{kept.summary['done']:,} rows", columns, tuple(rows))
-
-
-def _limits(kept: _Kept) -> Table:
-    columns = (
-        Column("Outcome", numeric=False),
-        Column("Limit", numeric=False),
-        Column("Exceeded"),
-        Column("Of rows"),
-        Column("Share", "%"),
-        Column("Said", numeric=False),
-    )
-    rows = []
-    units = {outcome.name: outcome for outcome in kept.outcomes}
-    for limit in kept.results.get("limits", []):
-        quantity = units[limit["outcome"]]
-        most = limit["most"] is not None
-        words = Bar(float(limit["most"] if most else limit["least"]), most=most).words(quantity)
-        share = 100.0 * limit["exceeded"] / limit["rows"] if limit["rows"] else None
-        rows.append(
-            (quantity.name, words, f"{limit['exceeded']:,}", f"{limit['rows']:,}", number(share, 2), _probability(limit))
-        )
-    return Table("Limits", columns, tuple(rows))
-
-
-def _failed(kept: _Kept) -> Table:
-    columns = (Column("Rows"), Column("Status", numeric=False), Column("Why", numeric=False))
-    rows = tuple((f"{one['rows']:,}", str(one["status"]), str(one["why"] or "")) for one in kept.summary["failed"])
-    return Table("Rows that failed", columns, rows)

@@ -29,6 +29,9 @@ _READ: Mapping[str, tuple[str, float]] = {
 }
 """SI units to those that are drawn, and the factor."""
 
+_WHOLE, _POWERS, _SMALL = 9999.5, 1e7, 1e-3
+"""From where to where numbers have all their digits before the point; below what those with a unit have four decimals."""
+
 _TWO_BESIDE = 42  # characters: entries of a legend that are no longer go two in a row
 
 LIMIT = PALETTE[1]
@@ -67,12 +70,17 @@ class Quantity:
         return scaled
 
     def text(self, value: float, *, unit: bool = True) -> str:
-        """One value in words, to three or four digits.
+        """One value in words, to four digits, and where it has a unit to no more than four decimals.
 
-        >>> Quantity("speed", "m/s").text(13.333)
-        '48 km/h'
+        >>> Quantity("speed", "m/s").text(13.333), Quantity("way", "m").text(20.0), Quantity("turn", "rad").text(-1e-17)
+        ('48 km/h', '20000 mm', '0.0000 degrees')
         """
-        text = f"{self.scale * value:.4g}".replace("-", "\u2212")
+        scaled = self.scale * value
+        size = abs(scaled)
+        text = f"{scaled:.0f}" if _WHOLE <= size < _POWERS else f"{scaled:.4g}"
+        if self.read_in and 0.0 < size < _SMALL:
+            text = f"{size:.4f}" if size < 0.5e-4 else f"{scaled:.4f}"  # rounding has no sign
+        text = text.replace("-", "\u2212")
         return f"{text} {self.read_in}" if unit and self.read_in else text
 
 
