@@ -222,9 +222,9 @@ def _history(record: TestRecord, key: str) -> TimeHistory:
     except InvalidInput as problem:
         raise Refused(f'"{key}"', "a channel that can be read", str(problem), field="channels") from None
     fix = "A pulse is the acceleration of the vehicle along x."
-    if (axis := record.channel(key).axis) not in {"", "x", "-x"}:  # a sensor the other way round may be turned
-        which = "a resultant" if axis == "resultant" else f"along {axis}"
-        raise Refused(f'"{key}", {which}', "an acceleration along x", fix, field="channels")
+    info = record.channel(key)
+    if info.off_x and info.axis != "-x":  # a sensor the other way round may be turned
+        raise Refused(f'"{key}", {info.off_x}', "an acceleration along x", fix, field="channels")
     try:
         return history.converted("m/s2")
     except InvalidInput:

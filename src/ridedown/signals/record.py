@@ -51,6 +51,17 @@ class ChannelInfo:
     readable: bool = True
     fields: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
 
+    @property
+    def off_x(self) -> str:
+        """How it is known not to be along x, in words; empty where it is along x, or nothing is known.
+
+        >>> ChannelInfo("13", axis="x").off_x, ChannelInfo("14", axis="y").off_x, ChannelInfo("16", axis="resultant").off_x
+        ('', 'along y', 'a resultant')
+        """
+        if self.axis in {"", "x"}:
+            return ""
+        return "a resultant" if self.axis == "resultant" else f"along {self.axis}"
+
 
 @dataclass(frozen=True, slots=True)
 class OfficialResult:

@@ -244,5 +244,5 @@ def test_a_channel_that_is_not_along_x_is_refused(code, said):
     made = record(TRUE, noise=1.0).history("adult.acceleration")
     test = TestRecord.of([made.replaced(name="chest", code=code)], identifier="sled 7")
     target = CHEST | {"measured": "chest"}
-    with pytest.raises(InvalidInput, match=rf"targets\.0\.measured: got 'chest', .*{said}; need one along x"):
+    with pytest.raises(InvalidInput, match=rf"targets\.0\.measured: got 'chest', .*{said}; need a channel along x"):
         calibrate(spec(test, cases=[{"name": "sled", "scenario": BASE, "record": test, "targets": [target]}]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -366,10 +367,23 @@ class TestSteps:
         assert np.trapezoid(forces, deflections) == pytest.approx(0.5 * test.mass * test.speed**2, rel=0.02)
 
 
-@pytest.mark.parametrize(("given", "said"), [({"masses": 3}, "masses: got 3"), ({"pieces": 0}, "pieces: got 0")])
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [({"masses": 3}, "masses: got 3"), ({"pieces": 0}, "pieces: got 0"), ({"seed": -1}, "seed: got -1; need a whole number")],
+)
 def test_options_that_may_not_be(given: dict[str, int], said: str) -> None:
     with pytest.raises(InvalidInput, match=said):
         extract(walls.record(walls.one_mass(), barrier=False), **given)
+
+
+@pytest.mark.parametrize("field", ["channels", "engine"])
+def test_channels_along_another_axis_are_refused(field: str) -> None:
+    cabin = walls_history()
+    across = cabin.replaced(name="across", code="11SEBELE0000ACYA")
+    record = TestRecord.of([cabin, across], identifier="wall")
+    given: dict[str, Any] = {"channels": ["cabin"], field: ["across"]}
+    with pytest.raises(InvalidInput, match=f"{field}: got 'across', along y; need an acceleration along x"):
+        extract(record, mass=1500.0, speed=14.0, **given)
 
 
 def walls_history() -> TimeHistory:

@@ -140,8 +140,7 @@ def _sentence(
 ) -> str:
     first, *others = members
     name = unknowns[first].name
-    share = min(1.0, 2.0 * half[first])
-    whole = "the whole of its bounds" if share >= 1.0 else f"{100.0 * share:.0f} % of its bounds"
+    whole = _taken(float(point[first]), float(half[first]))
     if not others:
         said = f"{name} is hardly told by what is measured: its 95 % band takes {whole}."
     else:
@@ -158,6 +157,19 @@ def _sentence(
         )
         return f"{said} Measuring one of these as well would narrow the band: {listed}."
     return f"{said} No channel of these crashes would tell much more: fix it, or add a test of another kind."
+
+
+def _taken(at: float, half: float) -> str:
+    """How much of its bounds a band takes, in words: what is left of it within them, as it is shown.
+
+    >>> _taken(0.5, 0.2), _taken(0.9, 0.5), _taken(0.5, 0.6)
+    ('40 % of its bounds', '60 % of its bounds, where they cut it', 'the whole of its bounds')
+    """
+    low, high = max(at - half, 0.0), min(at + half, 1.0)
+    if high - low >= 1.0:
+        return "the whole of its bounds"
+    cut = low == 0.0 or high == 1.0
+    return f"{100.0 * (high - low):.0f} % of its bounds{', where they cut it' if cut else ''}"
 
 
 def _moved(unknowns: Sequence[Unknown], point: Floats, members: tuple[int, ...], direction: Floats) -> str:

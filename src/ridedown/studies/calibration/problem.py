@@ -274,9 +274,10 @@ def _measured(target: Target, record: TestRecord, unit: str, where: str) -> Time
             "Name another channel."
         )
     for key in target.measured if unit in _ALONG_X else ():
-        if (axis := record.channel(key).axis) not in {"", "x"}:
-            which = "a resultant" if axis == "resultant" else f"a channel along {axis}"
-            raise InvalidInput(f"{where}.measured: got {key!r}, {which}; need one along x, as the model moves. Name that one.")
+        if off := record.channel(key).off_x:
+            raise InvalidInput(
+                f"{where}.measured: got {key!r}, {off}; need a channel along x, as the model moves. Name that one."
+            )
     si = one.converted(unit)
     return si if target.cfc is None else filtered(si, target.cfc)
 

@@ -160,6 +160,8 @@ def extract(
         raise InvalidInput(f"masses: got {masses}; need 1 or 2. Leave it out for two where the wall's force is known.")
     if isinstance(pieces, bool) or not 1 <= pieces <= 20:
         raise InvalidInput(f"pieces: got {pieces}; need 1 .. 20. A few follow a test well; {fit.MOST} is the default.")
+    if isinstance(seed, int) and (isinstance(seed, bool) or seed < 0):
+        raise InvalidInput(f"seed: got {seed}; need a whole number of 0 or more.")
     test = wall_test(record, mass=mass, speed=speed, channels=channels, engine=engine, barrier=barrier)
     if masses == 2 and test.barrier is None:
         why = "; ".join(text for text in (*test.warnings, *test.notes) if "barrier" in text)

@@ -269,7 +269,7 @@ def _cabin(
         for remark in pulse.remarks:
             (warnings if "doubtful" in remark or "only sensor" in remark else notes).append(remark)
         return pulse.time, pulse.shape, pulse.acceleration, pulse.used
-    infos = [record.channel(key) for key in channels]
+    infos = [_along_x(record, key, "channels") for key in channels]
     parts = [_accelerations(record, info) for info in infos]
     time = parts[0][0]
     begin, end = max(part[0][0] for part in parts), min(part[0][-1] for part in parts)
@@ -282,6 +282,14 @@ def _cabin(
     if spread > 0.5 * DOUBTFUL:  # of two that differ by d, each is d/2 from the mean
         warnings.append(f"the channels differ by {2.0 * spread:.2f} m/s root mean square in velocity: does one drift?")
     return time, shapes.mean(axis=0), smooths.mean(axis=0), tuple(info.key for info in infos)
+
+
+def _along_x(record: TestRecord, key: str | int, field: str) -> ChannelInfo:
+    """A channel that was named. Raises: InvalidInput for one that is known to be along another axis."""
+    info = record.channel(key)
+    if off := info.off_x:
+        raise InvalidInput(f"{field}: got {str(key)!r}, {off}; need an acceleration along x. Name that one.")
+    return info
 
 
 def _accelerations(record: TestRecord, info: ChannelInfo) -> tuple[Floats, Floats, Floats]:
@@ -434,7 +442,7 @@ def _engine(
             if info.vehicle is None or not vehicle or str(info.vehicle) == vehicle
         ]
     else:
-        infos = [record.channel(key) for key in chosen]
+        infos = [_along_x(record, key, "engine") for key in chosen]
     believed = []
     for info in infos:
         name = f"engine channel {info.key} {info.name}".rstrip()
