@@ -239,6 +239,22 @@ def test_a_target_that_cannot_be_is_refused(target, error, words):
         calibrate(spec(test, cases=[{"name": "sled", "scenario": BASE, "record": test, "targets": [target]}]))
 
 
+def test_what_the_model_cannot_give_is_said():
+    # a spring of one stiffness: its peak follows from its excursion
+    asked = {"adult.excursion.max": ("250 mm", "2 mm"), "adult.acceleration.peak": ("60 g", "1 g")}
+    targets = [{"outcome": name, "value": value, "sigma": sigma} for name, (value, sigma) in asked.items()]
+    cases = [{"name": "sled", "scenario": BASE, "targets": targets}]
+    found = calibrate({"cases": cases, "parameters": PARAMETERS[:1], "search": {"effort": "quick"}})
+    missed = [n.name for n in found.numbers if not n.met]
+    assert missed
+    assert found.warnings[0].startswith(f"Not met: {', '.join(missed)}. ")
+    limit = {"outcome": "adult.excursion.max", "max": "100 mm", "sigma": "50 mm"}
+    cases = [{"name": "sled", "scenario": BASE, "targets": [*targets[:1], limit]}]
+    found = calibrate({"cases": cases, "parameters": PARAMETERS[:1], "search": {"effort": "quick"}})
+    assert [n.met for n in found.numbers] == [True, False]
+    assert not any(text.startswith("Not met") for text in found.warnings)
+
+
 @pytest.mark.parametrize(("code", "said"), [("11CHST0000H3ACYA", "along y"), ("11CHST0000H3ACRA", "a resultant")])
 def test_a_channel_that_is_not_along_x_is_refused(code, said):
     made = record(TRUE, noise=1.0).history("adult.acceleration")

@@ -23,7 +23,7 @@ from ridedown.studies.calibration.sampling import Samples
 from ridedown.studies.calibration.targets import ChannelTarget, NumberTarget
 from ridedown.studies.calibration.uncertainty import Block, Uncertainty, uncertainty
 from ridedown.studies.calibration.unknowns import Unknown, points_of, values_of
-from ridedown.studies.calibration.wording import in_words
+from ridedown.studies.calibration.wording import in_case, in_words
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str, int, float], None]
@@ -228,18 +228,21 @@ def _result(
     parameters = _parameters(problem.unknowns, point, found)
     scatter = _scatter(judged.parts)
     fisher = sum((block.slope.T @ block.slope for block in judged.blocks), np.zeros((point.size, point.size)))
-    apart = confounded(problem.unknowns, point, fisher, found, judged.candidates, several=len(problem.cases) > 1)
+    several = len(problem.cases) > 1
+    apart = confounded(problem.unknowns, point, fisher, found, judged.candidates, several=several)
+    numbers = tuple(_number(p, p.target, found) for p in judged.parts if isinstance(p.target, NumberTarget))
+    warnings = (*_warnings(parameters, starts, interrupted=interrupted), *_not_met(numbers, several=several))
     return Calibrated(
         calibration=problem.calibration,
         parameters=parameters,
         channels=tuple(_channel(p, p.target, found, scatter) for p in judged.parts if isinstance(p.target, ChannelTarget)),
-        numbers=tuple(_number(p, p.target, found) for p in judged.parts if isinstance(p.target, NumberTarget)),
+        numbers=numbers,
         misfit=float(problem.misfit(point[None])[0]),
         freedom=found.freedom,
         covariance=found.covariance,
         correlation=found.correlation,
         confounded=apart,
-        warnings=tuple(_warnings(parameters, starts, interrupted=interrupted) + [one.sentence for one in apart]),
+        warnings=(*warnings, *(one.sentence for one in apart)),
         scenarios={case.name: _signed(case.with_values(values), problem) for case in (*problem.cases, *problem.predictions)},
         starts=starts,
         tried=problem.tried,
@@ -334,6 +337,16 @@ def _warnings(parameters: Sequence[FittedParameter], starts: tuple[int, int], *,
         if p.at_bound
     ]
     return said
+
+
+def _not_met(numbers: Sequence[FittedNumber], *, several: bool) -> list[str]:
+    """What is to be said where the model does not give what was asked: stated deviations are all that its bands know of."""
+    asked = [one for one in numbers if one.fitted and one.wanted is not None]  # a limit is soft, and may be leant on
+    missed = [in_case(one.name, one.case, several=several) for one in asked if one.met is False]
+    if not missed:
+        return []
+    why = "The model cannot give that within these bounds, or more is asked than is known"
+    return [f"Not met: {', '.join(missed)}. {why}: the bands, which rest on the deviations stated, are then too narrow."]
 
 
 def point_of(unknowns: Sequence[Unknown], values: Mapping[str, float]) -> Floats:
