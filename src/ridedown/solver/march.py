@@ -18,7 +18,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from ridedown.compiled import kernel, part
+from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import changes, events, extremes, laws, restraint, series, stepping
 from ridedown.solver.layout import (
@@ -196,9 +196,18 @@ def _take(
     law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, free: Ints, empty: Ints, line: Floats,
     guard: Floats, memory: Floats, mode: Ints, work: Floats, tracked: int, extreme: Floats,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Put the next crashes into the lanes that have none. How many have one now, and whether there may be more to take."""
-    for l in range(places):
-        if crash[l] == NO_CRASH:
+    """Put the next crashes into the lanes that have none. How many have one now, and whether there may be more to take.
+
+    Timed crashes, on a pulse or with timers, start side by side: a vector takes new ones when all of its own have ended. So
+    they are in like modes at like times, and more of what no lane needs is passed over than idle lanes cost.
+    """
+    for block in range(0, places, WIDTH):
+        end = min(block + WIDTH, places)
+        if timed and _in_use(block, end, crash):
+            continue
+        for l in range(block, end):
+            if crash[l] != NO_CRASH:
+                continue
             number = count_up(queue)
             if number >= duration.size:
                 return active, False
@@ -212,6 +221,15 @@ def _take(
             )  # fmt: skip
             active += 1
     return active, True
+
+
+@inlined
+def _in_use(block, end, crash):
+    """Whether any of those lanes has a crash."""
+    for l in range(block, end):
+        if crash[l] != NO_CRASH:
+            return True
+    return False
 
 
 @part
