@@ -226,10 +226,10 @@ def _take(
 @inlined
 def _in_use(block, end, crash):
     """Whether any of those lanes has a crash."""
+    busy = False
     for l in range(block, end):
-        if crash[l] != NO_CRASH:
-            return True
-    return False
+        busy |= crash[l] != NO_CRASH
+    return busy
 
 
 @part
