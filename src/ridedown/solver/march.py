@@ -103,7 +103,7 @@ def march(
     tracked_start, tracked_family, tracked_index = s.tracked_start, s.tracked_family, s.tracked_index
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
-    leader, beside, direction, total = s.leader, s.beside, s.direction, w.total
+    leader, beside, direction, watched, total = s.leader, s.beside, s.direction, s.watched, w.total
     conjugate, free, sample_time, trial = s.conjugate, s.free, s.sample_time, w.trial
     inertia, rate, arms, timer_time, pulse_amplitude = x.inertia, x.rate, x.arm, x.timer_time, x.pulse_amplitude
     samples, kept = out.samples, record.kept
@@ -149,7 +149,7 @@ def march(
             lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, trial, q, tan, step, last, power
         )
         if restrained:
-            stepping.bends(lanes, parent.size, bars.size, q, tan, step, power, bend)
+            stepping.bends(lanes, parent.size, watched, q, tan, step, power, bend)
         events.find(
             lanes, law, leader, direction, pair_element, second_pair, rests, parent.size, term_start, term_coordinate,
             term_sign, lever, arm, q, tan, bend, mode, guard, d, crash, last, idle, step, power, found, root, found_count,

@@ -63,10 +63,15 @@ def start(lanes, bar_coordinate, term_start, term_coordinate, term_sign, lever, 
             store(turn, t0 + l, v)
             store(tan, t1 + l, (1.0 + t * t) * v)
     for e in range(lever.size):
+        first = term_start[e]
+        alone = term_start[e + 1] == first + 1 and lever[e] < 0
         for j in range(2):
-            to = at(e, j)
+            to, q1, sign1 = at(e, j), at(term_coordinate[first], j), term_sign[first]
             for l in range(0, lanes, WIDTH):
-                store(d, to + l, _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, tan))
+                if alone:
+                    store(d, to + l, sign1 * load(q, q1 + l))
+                else:
+                    store(d, to + l, _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, tan))
 
 
 @inlined

@@ -106,14 +106,15 @@ def powers(lanes, step, power):
 
 
 @part
-def bends(lanes, coordinates, bars, q, tan, step, power, bend):
-    """How far down and up each coordinate, and each bar's tangent, can go in the step beyond its straight course; and its rate
-    beyond its own.
+def bends(lanes, coordinates, watched, q, tan, step, power, bend):
+    """How far down and up each watched coordinate, or bar's tangent, can go in the step beyond its straight course; and how much
+    slower and faster than now.
     """
     for block in range(0, lanes, WIDTH):
         h = load(step, block)
         per = where(h > 0.0, 1.0 / h, 0.0)
-        for i in range(coordinates + bars):
+        for n in range(watched.size):
+            i = watched[n]
             source, first = (q, at(i, 0)) if i < coordinates else (tan, at(i - coordinates, 0))
             total = load(source, first + 2 * STRIDE + block) * load(power, row(2) + block)
             size, rate, rate_size = abs(total), spread(0.0), spread(0.0)

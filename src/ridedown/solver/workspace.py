@@ -60,6 +60,7 @@ class Structure(NamedTuple):
     leader: Ints  # (e,) the first of the restraints side by side with this one, which stands for them in the series
     beside: Ints  # (e,) the next of them, -1 = none
     direction: Floats  # (e,) sign of its deflection in that of the first
+    watched: Ints  # the coordinates that restraints deflect with; a bar comes after all coordinates
     quiet: Ints  # (e,) 1 for a restraint whose deflection nobody asks for: where it gives no force, it can rest
     timer_element: Ints
     timer_action: Ints
@@ -297,6 +298,7 @@ def structure_of(network: Network, tracked: Tracked, *, each: bool = False) -> S
     bars = np.flatnonzero(network.is_rotation)
     bar_of = np.full(len(network.coordinates) + 1, -1, dtype=np.int64)
     bar_of[bars] = np.arange(len(bars))
+    lever = bar_of[network.lever]  # -1 reads the last entry, which is -1
     levered = np.flatnonzero(network.lever >= 0)
     coordinate = np.concatenate((network.reaction_coordinate, network.lever[levered]))
     element = np.concatenate((np.repeat(np.arange(len(network.elements)), np.diff(network.reaction_start)), levered))
@@ -316,7 +318,7 @@ def structure_of(network: Network, tracked: Tracked, *, each: bool = False) -> S
         term_sign=network.term_sign,
         bar_coordinate=bars.astype(np.int64),
         bar_of=bar_of[:-1],
-        lever=bar_of[network.lever],  # -1 reads the last entry, which is -1
+        lever=lever,
         conjugate=network.conjugate,
         pull_start=np.searchsorted(coordinate[order], np.arange(len(network.coordinates) + 1)),
         pull_element=element[order],
@@ -329,6 +331,7 @@ def structure_of(network: Network, tracked: Tracked, *, each: bool = False) -> S
         leader=leader,
         beside=_next_of(leader),
         direction=direction,
+        watched=_watched(network, lever),
         quiet=_quiet(network, tracked),
         timer_element=network.timer_element,
         timer_action=network.timer_action,
@@ -372,6 +375,12 @@ def _next_of(leader: Ints) -> Ints:
         if later.size:
             following[e] = e + 1 + later[0]
     return following
+
+
+def _watched(network: Network, lever: Ints) -> Ints:
+    restrains = network.law == Law.RESTRAINT
+    coordinates = network.term_coordinate[np.repeat(restrains, np.diff(network.term_start))]
+    return np.unique(np.concatenate((coordinates, len(network.coordinates) + lever[restrains & (lever >= 0)])))
 
 
 def _quiet(network: Network, tracked: Tracked) -> Ints:
