@@ -63,8 +63,9 @@ def _change(
     here, rate = d[at(e, 0) + l], d[at(e, 1) + l]
     if law[e] == laws.RESTRAINT:
         which = g - 2 * e if g // 2 == e else g - 2 * second_pair[e] + 2
-        after = restraint.next_mode(e, l, number, which, here, rate, piece_start, coefficients, pieces, memory, mode)
-        restraint.enter(e, l, number, after, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
+        after = restraint.change(
+            e, l, number, which, here, rate, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode
+        )
     else:
         after = laws.next_mode(e, l, number, g % 2 == 1, here, rate, law, piece_start, coefficients, pieces, memory, mode)
         laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)

@@ -90,6 +90,22 @@ def enter(
     guard: Floats, memory: Floats, mode: Ints,
 ) -> None:  # fmt: skip
     """Put restraint e of lane l into mode `after`: its line of force and its four guards, of pair e and of `pair`."""
+    _enter(e, l, crash, after, piece_start, coefficients, pieces, pair, line, guard, memory, mode)
+
+
+@kernel
+def change(
+    e: int, l: int, crash: int, which: int, d: float, v: float, piece_start: Ints, coefficients: Cube, pieces: Cube, pair: int,
+    line: Floats, guard: Floats, memory: Floats, mode: Ints,
+) -> int:  # fmt: skip
+    """Put restraint e of lane l into the mode on the other side of its guard `which` (0 to 3); that mode."""
+    after = _next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memory, mode)
+    _enter(e, l, crash, after, piece_start, coefficients, pieces, pair, line, guard, memory, mode)
+    return after
+
+
+@inlined
+def _enter(e, l, crash, after, piece_start, coefficients, pieces, pair, line, guard, memory, mode):
     first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
     mode[mode_at(e, NUMBER) + l] = after
     branch = int(memory[memory_at(e, BRANCH) + l]) if after > count + UNLOADING else after
@@ -183,11 +199,8 @@ def _enter_given(e, l, crash, kind, first, count, k, c, e0, f0, pull, coefficien
     return needs
 
 
-@kernel
-def next_mode(
-    e: int, l: int, crash: int, which: int, d: float, v: float, piece_start: Ints, coefficients: Cube, pieces: Cube,
-    memory: Floats, mode: Ints,
-) -> int:  # fmt: skip
+@inlined
+def _next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memory, mode):
     """The mode on the other side of guard `which` (0 to 3) of restraint e; takes down what it must remember."""
     first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
     now = mode[mode_at(e, NUMBER) + l]

@@ -107,7 +107,7 @@ def powers(lanes, step, power):
 
 @part
 def bends(lanes, coordinates, watched, q, tan, step, power, bend):
-    """How far down and up each watched coordinate, or bar's tangent, can go in the step beyond its straight course; and how much
+    """How far down and up watched coordinates, and bars' tangents, can go in the step beyond their straight course; and how much
     slower and faster than now.
     """
     for block in range(0, lanes, WIDTH):
