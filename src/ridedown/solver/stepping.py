@@ -107,8 +107,8 @@ def powers(lanes, step, power):
 
 @part
 def bends(lanes, coordinates, watched, q, tan, step, power, bend):
-    """How far down and up watched coordinates, and bars' tangents, can go in the step beyond their straight course; and how much
-    slower and faster than now.
+    """How far down and up watched coordinates, and bars' tangents, can go in the step beyond their straight course; and how
+    much slower and faster than now.
     """
     for block in range(0, lanes, WIDTH):
         h = load(step, block)
