@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from ridedown import load, simulate_many
-from ridedown.network import Action, Curve, KelvinVoigt, Restraint, Timer, channels
+from ridedown.network import Action, Builder, Curve, KelvinVoigt, Network, Restraint, Timer, channels
 from ridedown.scenario import lower, substitute
 from ridedown.solver.march import Stop
 from ridedown.solver.solve import solve_many, solve_one, tracked
+from ridedown.solver.workspace import structure_of
 from tests.solver.sleds import CAR, MASS, Solved, constant, points, sled, spring
 
 TIMES = np.linspace(0.0, 0.2, 401)
@@ -53,6 +54,38 @@ def test_many_at_once_are_the_same_as_one() -> None:
         alone = Solved(sled(_everything(float(slack[row]))))
         assert solved.best[0, row] == pytest.approx(alone.largest("driver.0.force")[0], rel=1e-12)
         assert solved.payout[0, row] == pytest.approx(alone.phases.payout[0], rel=1e-10, abs=1e-15)
+
+
+def test_restraints_side_by_side_move_a_mass_as_each_by_itself() -> None:
+    def held(slack: np.ndarray) -> Network:
+        builder = Builder()
+        car = builder.driven("vehicle1", CAR, speed=15.0)
+        body = builder.body("driver", mass=MASS, speed=15.0, parent=car)
+        bag = (Timer(Action.FILL, 0.01, 40.0), Timer(Action.FILL, 0.035, 0.0), Timer(Action.FILL, 0.06, -15.0))
+        surface = spring(60e3, slack=-0.02, unloading=200e3)  # behind: it pushes at first
+        for name, law, sign in (
+            ("belt", _everything(slack), 1.0),
+            ("bag", spring(50e3, damping=700.0, slack=0.03, empty=True, timers=(*bag, Timer(Action.FILL, 0.1, 0.0))), 1.0),
+            ("back", surface, -1.0),
+        ):
+            builder.element(name, law, deflection={body: sign, car: -sign})
+        return builder.build(duration=0.2)
+
+    network = held(np.linspace(0.0, 0.1, 150))
+    channel = channels(network)
+    asked = [(channel["driver.acceleration"], 1), (channel["driver.acceleration"], -1), (channel["driver.excursion"], 1)]
+    forces = [(channel[f"{element}.force"], 1) for element in network.elements]
+    together, apart = solve_many(network, tracked(asked)), solve_many(network, tracked([*asked, *forces]))
+    assert (together.stop == Stop.COMPLETED).all()
+    assert (apart.best[3:] > 0.0).all(axis=1).all()  # all of them push
+    for name in ("best", "best_time"):
+        np.testing.assert_allclose(getattr(together, name), getattr(apart, name)[:3], rtol=1e-11)
+    for name in ("position", "rate", "set", "reel", "payout"):
+        np.testing.assert_allclose(getattr(together, name), getattr(apart, name), rtol=1e-10, atol=1e-14)
+    assert structure_of(network, tracked(asked)).leader.tolist() == [0, 0, 0]
+    assert structure_of(network, tracked(asked)).direction.tolist() == [1.0, 1.0, -1.0]
+    assert structure_of(network, tracked([*asked, *forces])).leader.tolist() == [0, 1, 2]
+    assert structure_of(network, tracked([*asked, forces[1]])).leader.tolist() == [0, 1, 0]
 
 
 def test_passing_over_restraints_that_rest_changes_nothing() -> None:

@@ -20,6 +20,7 @@ from ridedown.solver.vector import (
     power_of_two,
     spread,
     store,
+    union,
     where,
 )
 
@@ -65,6 +66,11 @@ def lanes_in_turn(bits, out):
         bits &= bits - 1
         n += 1
     return n
+
+
+@njit
+def united(whole, index):
+    return union(whole, index)
 
 
 @njit
@@ -121,6 +127,13 @@ def test_where_chooses_lane_by_lane(pair) -> None:
 def test_lanes_come_in_turn(bits, lanes) -> None:
     out = np.zeros(WIDTH, dtype=np.int64)
     assert out[: lanes_in_turn(bits, out)].tolist() == lanes
+
+
+def test_a_union_has_the_bits_of_eight_whole_numbers() -> None:
+    whole = np.array([1 << 40, 1, 2, 2, 0, 16, 0, 128, 0, 1 << 62])
+    assert united(whole, 0) == 1 << 40 | 1 | 2 | 16 | 128
+    assert united(whole, 1) == 1 | 2 | 16 | 128
+    assert united(np.zeros(8, dtype=np.int64), 0) == 0
 
 
 def test_a_number_is_its_fraction_times_a_power_of_two() -> None:
