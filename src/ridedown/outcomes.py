@@ -58,7 +58,8 @@ class Outcomes(Mapping[str, Floats]):
     steps: Ints
     """Shape (R,): steps that the solver took."""
     samples: dict[str, Floats]
-    """Channels to their values, shape (R, T), at the times asked for; NaN from where a crash stopped."""
+    """Channels to their values, shape (R, T), at the times asked for; NaN after a row's own `duration`, completed or
+    not, and from where a crash stopped."""
 
     @classmethod
     def empty(cls, plan: Wanted, rows: int) -> Outcomes:

@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.contour import QuadContourSet
 from matplotlib.text import Text
 
 from ridedown import load
@@ -66,6 +67,24 @@ def test_map_says_where_the_least_is_and_draws_the_limit():
 def test_a_map_of_nothing_that_varies_is_no_error(value):
     plot = map_plot(STIFFNESS, RATIO, WAY, [1e4, 2e4], [0.1, 0.2], np.full((2, 2), value), limits=[Bar(0.2)])
     assert ("The same everywhere: 300 mm" in plot.description) or ("No row has it" in plot.description)
+
+
+@pytest.mark.parametrize("size", [1e-18, 1e-8])
+def test_a_map_of_rounding_is_one_of_nothing(size):
+    turn = Quantity("turn", "rad")
+    grid = size * np.array([[1.0, -1.0], [0.5, 0.0]])
+    assert "The same everywhere" in map_plot(STIFFNESS, RATIO, turn, [1e4, 2e4], [0.1, 0.2], grid).description
+    level = 0.3 * (1.0 + 1e-15 * np.array([[0.0, 1.0], [0.5, 0.0]]))
+    assert "The same everywhere: 300 mm" in map_plot(STIFFNESS, RATIO, WAY, [1e4, 2e4], [0.1, 0.2], level).description
+
+
+def test_a_map_has_no_hole_where_the_least_is_a_last_bit_below_a_level():
+    force = Quantity("force", "N")
+    grid = np.tile([5500.0, 5500.0, 5999.999999999996], (3, 1))  # as a load limiter holds its force
+    grid[0, 0] = 5499.999999999999
+    plot = map_plot(STIFFNESS, RATIO, force, [1e4, 2e4, 3e4], [0.1, 0.2, 0.3], grid)
+    (filled,) = [c for c in axes_of(plot).collections if isinstance(c, QuadContourSet) and c.filled]
+    assert any(path.contains_point((15.0, 0.2)) for path in filled.get_paths())
 
 
 def test_failed_rows_leave_a_hole_in_a_map():

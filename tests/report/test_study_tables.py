@@ -48,6 +48,12 @@ def test_rows_that_were_not_drawn_have_a_share_and_no_probability():
     assert sensitivity_tables(summary) == ()
 
 
+def test_a_row_that_failed_does_not_hold_a_limit():
+    results = {"kind": "sweep", "limits": [LIMIT | {"failed": 10}]}
+    _, limits = number_tables({"done": 20, "outcomes": REACH, "results": results, "failed": []})
+    assert limits.rows == (("adult.clip_3ms", "at most 32 g", "5", "10", "50"),)
+
+
 def test_effects_are_in_the_unit_of_their_outcome_and_indices_are_shares():
     effects = [{"parameter": "belt", "mean_size": estimate(0.1), "deviation": 0.02}]
     indices = [{"parameter": "belt", "first": estimate(-1e-5), "total": estimate(0.5)}]

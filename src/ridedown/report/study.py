@@ -20,7 +20,7 @@ from ridedown.report.study_sample import cumulative_plot, distribution_plot
 from ridedown.report.study_search import search_plots
 from ridedown.report.study_sensitivity import Interval, effect_plot, idle_sentence, index_plot, tornado_plot
 from ridedown.report.study_sweep import carpet_plot, line_plot, map_plot
-from ridedown.report.study_tables import failed_table, number_tables, sensitivity_tables
+from ridedown.report.study_tables import failed_table, known_rows, number_tables, sensitivity_tables
 from ridedown.report.style import Plot
 from ridedown.report.tables import Column, Table
 from ridedown.studies.bound import BoundStudy
@@ -333,6 +333,6 @@ def _probability(limit: Mapping[str, Any]) -> str:
     """How likely a limit is exceeded, in words; how often, where it was not drawn at random."""
     found = limit.get("probability")
     if found is None or found.get("value") is None:
-        return f"{limit['exceeded']:,} of {limit['rows']:,} rows exceed it" if "exceeded" in limit else ""
+        return f"{limit['exceeded']:,} of {known_rows(limit):,} rows exceed it" if "exceeded" in limit else ""
     low, high = (100.0 * found[end] for end in ("low", "high"))
     return f"exceeded by {100.0 * found['value']:.3g} % ({low:.3g} to {high:.3g} %)"

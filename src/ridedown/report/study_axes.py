@@ -60,6 +60,11 @@ class Quantity:
         return _READ.get(self.unit, (self.unit, 1.0))[1]
 
     @property
+    def nothing(self) -> float:
+        """The size, as it is read, below which a value with a unit is rounding, told as 0.0000; 0 of a plain number."""
+        return 0.5e-4 if self.read_in else 0.0
+
+    @property
     def label(self) -> str:
         """Name and unit, as an axis has them."""
         return f"{self.name}, {self.read_in}" if self.read_in else self.name
@@ -79,7 +84,7 @@ class Quantity:
         size = abs(scaled)
         text = f"{scaled:.0f}" if _WHOLE <= size < _POWERS else f"{scaled:.4g}"
         if self.read_in and 0.0 < size < _SMALL:
-            text = f"{size:.4f}" if size < 0.5e-4 else f"{scaled:.4f}"  # rounding has no sign
+            text = f"{scaled if size >= self.nothing else 0.0:.4f}"
         text = text.replace("-", "\u2212")
         return f"{text} {self.read_in}" if unit and self.read_in else text
 

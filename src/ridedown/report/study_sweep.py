@@ -25,6 +25,7 @@ from ridedown.report.style import HEIGHT, PALETTE, WIDTH, Plot, draw_line, lette
 from ridedown.report.tags import Tag, place_tags
 
 _LEVELS = 9  # contours
+_ROUNDING = 1e-12  # of the largest: values that differ by less are the same
 _EDGE, _APART = 24.0, 46.0  # between the middle of a label and the edge of the axes, and of two labels, pixels
 _LINES = 7  # lines of a carpet each way; levels in between are left out
 _WORDS = "#005A8E", "#00684C"  # of a carpet: the colours of its lines, darker, so that small letters are legible
@@ -71,9 +72,14 @@ def map_plot(
     values = np.ma.masked_invalid(outcome.shown(grid))
     axes = new_axes(f"{outcome.name}", xlabel=x.label, ylabel=y.label)
     axes.grid(visible=False)
-    flat = bool(np.ptp(values.compressed()) == 0.0) if values.count() else True
+    flat = not _varies(values.compressed(), outcome)
     if not flat:
         filled = axes.contourf(across, up, values, levels=_LEVELS, cmap=_MAP)
+        low, high = np.asarray(filled.levels)[[0, -1]]
+        if values.min() < low or values.max() > high:  # by a last bit, which would leave those places white
+            values = np.ma.masked_invalid(np.clip(outcome.shown(grid), low, high))
+            filled.remove()
+            filled = axes.contourf(across, up, values, levels=filled.levels, cmap=_MAP)
         lines = axes.contour(across, up, values, levels=filled.levels, colors="white", linewidths=0.6)
         figure = axes.get_figure()
         assert figure is not None
@@ -103,6 +109,14 @@ def map_plot(
     else:
         said += f" The same everywhere: {outcome.text(float(np.nanmean(plain)))}." if values.count() else " No row has it."
     return Plot(slug("map", outcome.name), f"Map of {outcome.name}", said + _kept(outcome, plain, limits) + held, done(axes))
+
+
+def _varies(values: Floats, outcome: Quantity) -> bool:
+    """Whether values (n,), as they are read, differ by more than rounding: a map of that would show a pattern of nothing."""
+    if not values.size:
+        return False
+    largest = float(np.abs(values).max())
+    return bool(largest > outcome.nothing and np.ptp(values) > _ROUNDING * largest)
 
 
 def _label_places(axes: Axes, contours: Sequence[Sequence[Floats]]) -> list[tuple[float, float]]:

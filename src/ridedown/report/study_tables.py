@@ -34,6 +34,11 @@ def failed_table(summary: Summary) -> Table:
     return Table("Rows that failed", columns, rows)
 
 
+def known_rows(limit: Mapping[str, Any]) -> int:
+    """Of how many rows it is known whether they exceed a limit: a row that failed is not one that holds it."""
+    return int(limit["rows"] - limit.get("failed", 0))
+
+
 def _outcomes(summary: Summary, of: Mapping[str, Quantity]) -> Table:
     columns = (*_OUTCOME, Column("Least"), Column("Mean"), Column("Largest"))
     rows = tuple(
@@ -53,11 +58,12 @@ def _limits(found: Mapping[str, Any], of: Mapping[str, Quantity]) -> Table:
     for limit in limits:
         quantity, most = of[limit["outcome"]], limit["most"] is not None
         words = Bar(float(limit["most"] if most else limit["least"]), most=most).words(quantity)
-        share = limit["exceeded"] / limit["rows"] if limit["rows"] else None
+        known = known_rows(limit)
+        share = limit["exceeded"] / known if known else None
         chance = limit.get("probability") or {}
         shares = [chance.get(end) for end in ("value", "low", "high")] if drawn else [share]
         cells = (NONE if one is None else f"{100.0 * one:.4g}" for one in shares)
-        rows.append((quantity.name, words, f"{limit['exceeded']:,}", f"{limit['rows']:,}", *cells))
+        rows.append((quantity.name, words, f"{limit['exceeded']:,}", f"{known:,}", *cells))
     return Table("Limits", columns, tuple(rows))
 
 
