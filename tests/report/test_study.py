@@ -11,6 +11,7 @@ import pytest
 from ridedown import load
 from ridedown.report import study as report
 from ridedown.report.study_axes import Bar, Quantity
+from ridedown.report.study_found import Found
 from ridedown.studies import run_study
 from ridedown.studies.bound import Design, bound_study
 from ridedown.studies.file.study import load_study
@@ -161,3 +162,21 @@ def test_a_search_has_what_it_found_and_not_the_spread_of_its_rows(tmp_path):
         assert words[name] in html
         assert (f">share with {OUTCOMES[1]} &gt; 25 g<" in html) == (name == "one")
         assert " &lt;= " not in html.split("<pre", 1)[0]  # limits are said in words, in the unit that is read
+
+
+def test_the_ends_of_a_front_are_the_best_for_each_objective(tmp_path):
+    ranged = [{"path": STIFFNESS["path"], "range": ["40 kN/m", "120 kN/m"]}]
+    goals = [{"outcome": "adult.excursion.max"}, {"outcome": "adult.excursion.min", "sense": "max"}]
+    optimise = {"objectives": goals, "candidates": 8, "generations": 2}
+    study = {"kind": "optimise", "scenario": "sled-half-sine", "parameters": ranged, "optimise": optimise}
+    found = Found(run_study(study, tmp_path / "front"))
+    (ends,) = (table for table in found.tables if table.caption.startswith("Ends of a front of"))
+    assert [(column.title, column.unit) for column in ends.columns[1:]] == [
+        (STIFFNESS["path"], "kN/m"), ("adult.excursion.max", "mm"), ("adult.excursion.min", "mm"),
+    ]  # fmt: skip
+    assert found.front is not None
+    _, of, _ = found.front
+    least, most = of[Quantity("adult.excursion.max", "m")].min(), of[Quantity("adult.excursion.min", "m")].max()
+    assert [row[0] for row in ends.rows] == ["adult.excursion.max", "adult.excursion.min"]
+    assert ends.rows[0][2] == Quantity("", "m").text(float(least), unit=False)
+    assert ends.rows[1][3] == Quantity("", "m").text(float(most), unit=False)

@@ -27,7 +27,7 @@ class Found:
             return (self._box(),)
         if "rare" in self.results:
             return (self._rare(), self._likeliest())
-        return tuple(table for table in (self._design(), self._held()) if table.rows)
+        return tuple(table for table in (self._design(), self._held(), self._ends()) if table.rows)
 
     @property
     def notes(self) -> Iterator[str]:
@@ -112,6 +112,20 @@ class Found:
                 rows.append((of.name, of.read_in or NONE, of.text(value, unit=False), _bar(one).words(of)))
         caption = "What it comes to" if chosen and chosen["feasible"] else "What it comes to: not all that is asked for"
         return Table(caption, columns, tuple(rows))
+
+    def _ends(self) -> Table:
+        """The designs of a front that are the best for each objective: how far one may go for it, and what that costs."""
+        if self.front is None:
+            return Table("", (), ())
+        parameters, goals, _ = self.front
+        every = {**parameters, **goals}
+        rows = []
+        for one in self.results["objectives"]:
+            column = next(column for quantity, column in goals.items() if quantity.name == one["words"])
+            best = int(np.argmax(column) if one["sense"] == "max" else np.argmin(column))
+            rows.append((one["words"], *(of.text(float(values[best]), unit=False) for of, values in every.items())))
+        columns = (Column("Best for", numeric=False), *(Column(of.name, of.read_in) for of in every))
+        return Table(f"Ends of a front of {next(iter(every.values())).size} designs", columns, tuple(rows))
 
     def _box(self) -> Table:
         columns = (
