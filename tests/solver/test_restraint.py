@@ -101,6 +101,24 @@ def test_passing_over_restraints_that_rest_changes_nothing() -> None:
     np.testing.assert_array_equal(resting.best, awake.best[: len(asked)])
 
 
+@pytest.mark.parametrize("weight", [-1.0, 2.0, 0.5])
+def test_a_deflection_of_any_weight_is_the_same_with_others_beside(weight: float) -> None:
+    """Two restraints whose deflections are so many times the excursion; summed up side by side, or looked at one by one."""
+    builder = Builder()
+    car = builder.driven("vehicle1", CAR, speed=15.0)
+    body = builder.body("driver", mass=MASS, speed=15.0, parent=car)
+    for n, law in enumerate((spring(30e3, damping=300.0, slack=0.01), spring(20e3, unloading=90e3))):
+        for sign in (1.0, -1.0):
+            builder.element(f"driver.{n}{sign:+g}", law, deflection={body: sign * weight, car: -sign * weight})
+    network = builder.build(duration=0.2)
+    wanted = [(channels(network)["driver.acceleration"], 0), (channels(network)["driver.excursion"], 1)]
+    phases, _ = solve_one(network)
+    for work in (False, True):
+        best = solve_many(network, tracked(wanted), work=work).best[:, 0]
+        for (channel, sense), value in zip(wanted, best, strict=True):
+            assert value == pytest.approx(abs(phases.largest(phases.series(channel), sense)[0]), rel=1e-11)
+
+
 def _rows_of(scenario: Any, rows: int) -> Any:
     """The network of so many rows in which belt, limiter and bag differ."""
     rng = np.random.default_rng(0)
@@ -444,6 +462,19 @@ def test_a_weaker_second_stage_of_a_damped_belt(unloading: float | None) -> None
     force = solved.at("driver.0.force", np.linspace(0.0501, 0.09, 300))
     np.testing.assert_allclose(force, 1800.0, rtol=1e-12)
     assert solved.phases.payout[0] == pytest.approx(-solved.phases.reel[0], rel=1e-12)
+
+
+def test_a_slipping_belt_comes_off_its_curve_once() -> None:
+    """A light damper and a steep line: where the occupant no longer gains speed, only round-off tells curve and line apart."""
+    waves = points([0.0, 0.02, 0.05, 0.06, 0.07, 0.1, 0.12], [0.0, -250.0, -350.0, -50.0, -350.0, -100.0, 0.0])
+    for damping in (1.0, 10.0, 100.0):
+        for slack in np.linspace(0.0, 0.03, 16):
+            law = spring(50e3, unloading=5e6, damping=damping, slack=slack, limits=(3000.0, np.inf))
+            solved = Solved(sled(law, pulse=waves))
+            assert solved.stop == Stop.COMPLETED
+            # the limiter gives the force, so the damper hardly counts
+            undamped = Solved(sled(spring(50e3, unloading=5e6, slack=slack, limits=(3000.0, np.inf)), pulse=waves))
+            assert solved.phases.payout[0] == pytest.approx(undamped.phases.payout[0], rel=2e-5 * damping)
 
 
 def test_of_a_level_top_the_first_point_is_the_peak() -> None:

@@ -81,6 +81,7 @@ COEFFICIENTS = 9
 KNOT, FORCE, SLOPE = range(3)
 
 _NEVER = 1e300
+_ROUND_OFF = 1e-14  # m: of an elongation
 _JUMP = 1e-7  # what the force may be above the one that something gives at, and count as having come there by itself
 
 
@@ -195,7 +196,8 @@ def _enter_given(e, l, crash, kind, first, count, k, c, e0, f0, pull, coefficien
             needs |= _guard(3, e, l, 0.0, c, 0.0, 0.0, above, 0.0, 0.0, pair, guard)
         elif branch > count:
             top = k * (memory[memory_at(e, LATCH) + l] - memory[memory_at(e, SET) + l])
-            needs |= _guard(3, e, l, 0.0, c, 0.0, 0.0, top - force, 0.0, 0.0, pair, guard)
+            # a line entered from its top, where the curve has just been left, is not above it by round-off
+            needs |= _guard(3, e, l, 0.0, c, 0.0, 0.0, top + k * _ROUND_OFF - force, 0.0, 0.0, pair, guard)
     return needs
 
 

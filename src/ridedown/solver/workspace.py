@@ -360,7 +360,7 @@ def _side_by_side(network: Network, tracked: Tracked, *, each: bool) -> tuple[In
             continue
         terms = slice(network.term_start[e], network.term_start[e + 1])
         reactions = slice(network.reaction_start[e], network.reaction_start[e + 1])
-        direction[e] = network.term_sign[terms][0]
+        direction[e] = np.sign(network.term_sign[terms][0])
         moves = (network.term_coordinate[terms], network.term_sign[terms] * direction[e])
         pushes = (network.reaction_coordinate[reactions], network.reaction_sign[reactions] * direction[e])
         leader[e] = first.setdefault(tuple(tuple(numbers.tolist()) for numbers in (*moves, *pushes)), e)
