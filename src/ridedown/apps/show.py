@@ -5,6 +5,7 @@ What a plain run does not show is imported where it is shown.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -62,7 +63,7 @@ def searching(what: str) -> Iterator[Callable[[str, int, float], None]]:
     """Say on stderr how a search goes: call what it yields with what is done, candidates tried and the least misfit."""
     with console(stderr=True).status(Text(what)) as status:
         yield lambda stage, tried, best: status.update(
-            Text(f"{what}: {stage}, {tried} candidates, misfit {best:.4g}; Ctrl-C ends it")
+            Text(f"{what}: {stage}, {tried} candidates{f', misfit {best:.4g}' if math.isfinite(best) else ''}; Ctrl-C ends it")
         )
 
 

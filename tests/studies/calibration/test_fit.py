@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from typing import Any
 
 import numpy as np
 import pytest
@@ -237,6 +238,25 @@ def test_a_target_that_cannot_be_is_refused(target, error, words):
     test = record(TRUE, noise=1.0)
     with pytest.raises(error, match=words):
         calibrate(spec(test, cases=[{"name": "sled", "scenario": BASE, "record": test, "targets": [target]}]))
+
+
+def test_a_record_that_is_not_there_is_said_with_its_case():
+    test = record(TRUE, noise=1.0)
+    with pytest.raises(InvalidInput, match=r"^sled\.record: path: got .*nowhere\.csv"):
+        calibrate(spec(test, cases=[{"name": "sled", "scenario": BASE, "record": "nowhere.csv", "targets": [CHEST]}]))
+
+
+def test_bounds_that_break_a_rule_everywhere_are_refused_with_the_rule():
+    belt: dict[str, Any] = {"kind": "belt", "stiffness": "60 kN/m", "load_limiter": {"force": "4 kN"}}
+    belt["pretensioners"] = [{"fire_time": "10 ms", "pull_in": "50 mm", "duration": "8 ms", "stall_force": "2 kN"}]
+    sled = {"pulse": {"kind": "fmvss-208-sled"}, "occupants": [{"kind": "adult", "mass": 80, "restraints": [belt]}]}
+    target = {"outcome": "adult.excursion.max", "value": "300 mm", "sigma": "10 mm"}
+    force = {"name": "force", "paths": ["adult.belt.load_limiter.force"], "bounds": ["0.5 kN", "1.5 kN"]}
+    cases = [{"name": "sled", "scenario": sled, "targets": [target]}]
+    with pytest.raises(
+        InvalidInput, match=r"middle, sled: .*load_limiter\.force: .*need more than pretensioners\.0\.stall_force"
+    ):
+        calibrate({"cases": cases, "parameters": [force], "search": {"effort": "quick"}})
 
 
 def test_what_the_model_cannot_give_is_said():

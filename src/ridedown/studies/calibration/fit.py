@@ -104,12 +104,22 @@ def _search(problem: Problem, effort: Effort, seed: int) -> tuple[Floats, tuple[
     if problem.best is None:
         raise InvalidInput(
             "parameters: got bounds within which no crash could be solved to its end; need some that can be. "
-            "Check the bounds, or search harder."
+            f"Check the bounds, or search harder.{_refused_in_the_middle(problem)}"
         )
     if interrupted or not ends:
         return problem.best, (len(ends), _agreeing(ends)), interrupted
     _, point = min(ends, key=lambda end: end[0])
     return point, (len(ends), _agreeing(ends)), interrupted
+
+
+def _refused_in_the_middle(problem: Problem) -> str:
+    """The rule that the middle of the bounds breaks, in words, if it breaks one."""
+    for case in problem.cases:
+        try:
+            case.with_values(values_of(problem.unknowns, np.full(len(problem.unknowns), 0.5)))
+        except InvalidInput as refused:
+            return f" In their middle, {case.name}: {refused}"
+    return ""
 
 
 def _agreeing(ends: Sequence[tuple[float, Floats]]) -> int:

@@ -186,7 +186,8 @@ def _scenario(entry: Prediction, folder: Path) -> Scenario:
 def _record(entry: Prediction, folder: Path) -> TestRecord | None:
     if entry.record is None or isinstance(entry.record, TestRecord):
         return entry.record
-    return read(folder / entry.record)
+    with _said_of(f"{entry.name}.record"):
+        return read(folder / entry.record)
 
 
 def _resolved(entry: Prediction, scenario: Scenario, settings: tuple[Setting, ...], folder: Path, where: str) -> ResolvedCase:
