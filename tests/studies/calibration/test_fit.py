@@ -15,6 +15,7 @@ from ridedown.signals import TestRecord
 from ridedown.simulation import simulate
 from ridedown.studies import calibrate
 from ridedown.studies.calibration import fit
+from ridedown.studies.calibration.posterior import Posterior
 from tests.studies.calibration.synthetic import (
     BASE,
     CHEST,
@@ -238,6 +239,23 @@ def test_a_target_that_cannot_be_is_refused(target, error, words):
     test = record(TRUE, noise=1.0)
     with pytest.raises(error, match=words):
         calibrate(spec(test, cases=[{"name": "sled", "scenario": BASE, "record": test, "targets": [target]}]))
+
+
+def test_a_posterior_much_wider_than_its_band_is_said():
+    done = calibrate(spec(record(TRUE, noise=10.0)))
+    names = tuple(p.name for p in done.parameters)
+    assert [p.by_ratio for p in done.parameters] == [True, False, False]
+
+    def drawn(p, wider):
+        low, high = (np.log(end) if p.by_ratio else end for end in (p.low, p.high))
+        values = 0.5 * (low + high) + 0.5 * wider * (high - low) * np.linspace(-1.0, 1.0, 1001)
+        return np.exp(values) if p.by_ratio else values
+
+    for wide in ((), ("stiffness",), ("slack", "damping")):
+        draws = np.stack([drawn(p, 2.5 if p.name in wide else 1.5) for p in done.parameters], axis=1)
+        said = list(fit._wider(done.parameters, Posterior(names, draws, 0.3, 40.0)))
+        assert len(said) == bool(wide)
+        assert all(text.startswith(f"The posterior of {', '.join(wide)} is more than twice") for text in said)
 
 
 def test_a_record_that_is_not_there_is_said_with_its_case():

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from ridedown.studies.calibration.file import Calibration, Search, load_calibrat
 from ridedown.studies.calibration.fitted import Calibrated, FittedChannel, FittedNumber, FittedParameter
 from ridedown.studies.calibration.identifiability import Candidate, confounded
 from ridedown.studies.calibration.least_squares import STEP, jacobian, least_squares
+from ridedown.studies.calibration.posterior import Posterior, sample
 from ridedown.studies.calibration.problem import EXPECTED_MISFIT, Problem, ResolvedCase, known_channels
 from ridedown.studies.calibration.sampling import Samples
 from ridedown.studies.calibration.targets import ChannelTarget, NumberTarget
@@ -38,6 +40,7 @@ EFFORTS = {
 
 _SAME = 1.01  # misfits this near each other are taken for the same place
 _MEASURABLE = ("acceleration", "force", "excursion", "relative_displacement", "displacement", "deflection")
+_WIDER = 2.0  # so many times as wide as its band: a posterior that says another thing than it
 _CANDIDATE_STEPS = 60  # samples of a channel that could be measured, as many independent values
 
 
@@ -71,8 +74,6 @@ def calibrate(
     found = _judged(problem, point)
     posterior = None
     if calibration.posterior and not interrupted:
-        from ridedown.studies.calibration.posterior import sample  # noqa: PLC0415  an optional package
-
         posterior = sample(problem, point, found.uncertainty, calibration.search.seed, progress)
     return _result(problem, point, found, starts=starts, interrupted=interrupted, posterior=posterior)
 
@@ -231,7 +232,7 @@ def _measurable(case: ResolvedCase) -> tuple[ChannelTarget, ...]:
 
 
 def _result(
-    problem: Problem, point: Floats, judged: _Judged, *, starts: tuple[int, int], interrupted: bool, posterior: Any
+    problem: Problem, point: Floats, judged: _Judged, *, starts: tuple[int, int], interrupted: bool, posterior: Posterior | None
 ) -> Calibrated:
     found = judged.uncertainty
     values = values_of(problem.unknowns, point)
@@ -241,7 +242,11 @@ def _result(
     several = len(problem.cases) > 1
     apart = confounded(problem.unknowns, point, fisher, found, judged.candidates, several=several)
     numbers = tuple(_number(p, p.target, found) for p in judged.parts if isinstance(p.target, NumberTarget))
-    warnings = (*_warnings(parameters, starts, interrupted=interrupted), *_not_met(numbers, several=several))
+    warnings = (
+        *_warnings(parameters, starts, interrupted=interrupted),
+        *_not_met(numbers, several=several),
+        *(_wider(parameters, posterior) if posterior is not None else ()),
+    )
     return Calibrated(
         calibration=problem.calibration,
         parameters=parameters,
@@ -357,6 +362,21 @@ def _not_met(numbers: Sequence[FittedNumber], *, several: bool) -> list[str]:
         return []
     why = "The model cannot give that within these bounds, or more is asked than is known"
     return [f"Not met: {', '.join(missed)}. {why}: the bands, which rest on the deviations stated, are then too narrow."]
+
+
+def _wider(parameters: Sequence[FittedParameter], posterior: Posterior) -> Iterator[str]:
+    """What is to be said where chains go much farther than bands: these are of the one place where the search ended."""
+    far = []
+    for p in parameters:
+        low, _, high = posterior.quantiles(p.name)
+        drawn, band = (math.log(b / a) if p.by_ratio else b - a for a, b in ((low, high), (p.low, p.high)))
+        if drawn > _WIDER * band:
+            far.append(p.name)
+    if far:
+        yield (
+            f"The posterior of {', '.join(far)} is more than twice as wide as the band: bands are of the place where the "
+            "search ended, and others give nearly the same. Trust the posterior."
+        )
 
 
 def point_of(unknowns: Sequence[Unknown], values: Mapping[str, float]) -> Floats:
