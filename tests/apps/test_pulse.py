@@ -101,6 +101,16 @@ def test_a_table_reads_back_and_can_be_a_pulse_again(tmp_path, suffix):
     assert other.peak("adult.acceleration").value == pytest.approx(one.peak("adult.acceleration").value, rel=1e-3)
 
 
+def test_a_table_of_a_pulse_that_jumps_keeps_its_velocity(tmp_path):
+    scenario, out = tmp_path / "square.toml", tmp_path / "square.csv"
+    scenario.write_text('[pulse]\nkind = "square"\npeak = "20 g"\nduration = "60 ms"\n')
+    assert invoke("pulse", str(scenario), "--out", str(out)).exit_code == 0
+    acceleration, velocity = (read(out).history(f"vehicle1.{what}") for what in ("acceleration", "velocity"))
+    taken = np.trapezoid(acceleration.values, acceleration.time)
+    assert taken == pytest.approx(velocity.values[-1] - velocity.values[0], rel=1e-12)
+    assert taken == pytest.approx(-20 * G * 0.06, rel=1e-12)
+
+
 def test_the_pulse_of_a_crash(tmp_path):
     out = tmp_path / "p1.csv"
     result = invoke("pulse", "p1", "--vehicle", "2", "--out", str(out))

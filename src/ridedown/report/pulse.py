@@ -22,6 +22,7 @@ from ridedown.signals.record import TestRecord
 _KMH, _MS = 3.6, 1e3
 _SLED = "Vehicle, as prescribed"
 _ONE_MOTION = 0.05  # of the velocity taken away: how far sensors of one motion may come from their mean
+_BESIDE = 1e-9  # of a step: to either side of a jump that lies on it to rounding
 _AT_REST = 1e-9  # of the speed at the start
 _TOLERANCE = 1e-4  # of the peak: how straight a curve is between the points that are written of it
 _FINE = 1e-6  # of the peak: the same, for what is measured on it
@@ -187,7 +188,10 @@ def _write_table(path: Path, motion: PulseMotion, name: str, vehicle: str) -> in
     step = motion.end / steps
     time: Floats = step * np.arange(steps + 1, dtype=np.float64)
     acceleration, velocity, displacement = motion.at(time)
-    acceleration = np.append(acceleration[:-1], motion.before(time[-1:])[0])  # what comes after the end is not of it
+    # At a jump the middle: straight lines through it keep the velocity. What comes after the end is not of it.
+    aside = _BESIDE * step
+    between = 0.5 * (motion.before(time[1:-1] - aside)[0] + motion.at(time[1:-1] + aside)[0])
+    acceleration = np.concatenate((acceleration[:1], between, motion.before(time[-1:])[0]))
     made = (("acceleration", acceleration, "m/s2"), ("velocity", velocity, "m/s"), ("displacement", displacement, "m"))
     histories = [TimeHistory(values, unit, interval=step, name=f"{vehicle}.{what}") for what, values, unit in made]
     signals.write(TestRecord.of(histories, identifier=name, title=f"{name}, by ridedown", format="pulse"), path)
