@@ -136,12 +136,14 @@ def _show_rows(summary: dict[str, Any]) -> None:
 
 def _show_bound(loaded: LoadedStudy, folder: Path) -> None:
     """Print the least peaks, and the designs beside them."""
-    from ridedown.report.study_bound import curve_table, table  # noqa: PLC0415  draws, which takes a second to load
+    from ridedown.report import study_bound  # noqa: PLC0415  draws, which takes a second to load
 
     found = kept_bound(loaded, folder)
-    show.tables(curve_table(found), table(found))
-    parts = ", ".join(f"{stage.how} from {1e3 * stage.start:.1f} ms" for stage in found.ideal.stages)
+    show.tables(study_bound.curve_table(found), study_bound.table(found))
+    parts = study_bound.history_in_words(found.ideal)
     show.note(f"The ideal restraint within {1e3 * found.ideal.excursion:.0f} mm has {found.ideal.peak_g:.2f} g: {parts}.")
+    if said := study_bound.beside_in_words(found):
+        show.note(said)
     if found.olc is not None:
         show.note(f"OLC of the pulse: {found.olc / STANDARD_GRAVITY:.2f} g.")
 

@@ -113,6 +113,7 @@ def bound_page(study: BoundStudy, *, description: str = "", source: str = "") ->
     status = f"{1e3 * study.ideal.slack:.0f} mm of slack, {room}; g = 9.80665 m/s²."
     notes = (
         "A restraint only brakes, from first contact on, as hard as it likes, and knows what is to come: nothing does better.",
+        *filter(None, [study_bound.beside_in_words(study)]),
     )
     sections = (
         Section("figures", "Limiting performance", plots=study_bound.plots(study)),

@@ -9,10 +9,12 @@ from ridedown.report.study_axes import LIMIT, Quantity, done, note
 from ridedown.report.style import FAINT, INK, PALETTE, Plot, draw_line, new_axes, title_of
 from ridedown.report.tables import Column, Table, number
 from ridedown.report.tags import Tag, place_tags
-from ridedown.studies.bound import BoundStudy
+from ridedown.studies.bound import Bound, BoundStudy
+from ridedown.studies.bound.least_peak import Stage
 
 _MS, _MM = 1e3, 1e3
 _PEAK, _WAY = Quantity("peak deceleration", "m/s2"), Quantity("excursion", "m")
+_LEAST_TOLD = 1e-4  # s
 _BUILT = ("o", "s", "^", "v", "P", "X")
 
 
@@ -64,9 +66,29 @@ def history_plot(study: BoundStudy) -> Plot:
     for stage in ideal.stages[1:]:
         axes.axvline(_MS * stage.start, color=FAINT, linewidth=0.6, linestyle=(0, (1, 2)))
     axes.set_xlim(0.0, _MS * times[-1])
-    parts = "; ".join(f"{s.how} from {_MS * s.start:.1f} ms" for s in ideal.stages[:6])
+    parts = history_in_words(ideal)
     said = f"Peak {ideal.peak_g:.2f} g. {parts[0].upper()}{parts[1:]}. Times a mass it is the ideal force."
     return Plot("bound-history", title_of(axes), said, done(axes))
+
+
+def history_in_words(ideal: Bound) -> str:
+    """What the ideal restraint does, and from when; of stages of a tenth of a millisecond or more, the first six."""
+    told: list[Stage] = []
+    for stage in ideal.stages:
+        if stage.end - stage.start >= _LEAST_TOLD and not (told and told[-1].how is stage.how):
+            told.append(stage)
+    return "; ".join(f"{stage.how} from {_MS * stage.start:.1f} ms" for stage in told[:6])
+
+
+def beside_in_words(study: BoundStudy) -> str:
+    """What has to be said of designs that are judged by another bound than the curve's; empty where there is none."""
+    names = ", ".join(one.design.name for one in study.gaps if one.bound.slack < study.ideal.slack)
+    if not names:
+        return ""
+    return (
+        f"The least peak beside {names} is without the slack, and so below the curve: what held a simulated occupant may have "
+        "acted before."
+    )
 
 
 def excursion_plot(study: BoundStudy) -> Plot:
