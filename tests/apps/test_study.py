@@ -149,6 +149,7 @@ def test_an_interrupt_ends_cleanly_and_tells_how_to_go_on(tmp_path, number):
         _, stderr = process.communicate(timeout=60)
     assert process.returncode == 3
     assert "Traceback" not in stderr
+    assert stderr.count("ridedown: stopping") == 1  # said at once
     assert "ridedown study long.toml --resume" in stderr
     assert not list(chunks.glob(".*"))
 

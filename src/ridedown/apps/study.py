@@ -165,16 +165,28 @@ def _how_to_go_on(file: str, out: Path | None) -> str:
 
 @contextmanager
 def _terminated_as_interrupted() -> Iterator[None]:
-    """Take a polite request to end, as batch systems send before they kill, for Ctrl-C."""
+    """Take a polite request to end, as batch systems send before they kill, for Ctrl-C; of either say that it was heard.
+
+    Chunks that are begun are ended and kept: with many criteria that takes some seconds.
+    """
+    heard = False
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
+        nonlocal heard
+        if not heard:
+            heard = True
+            typer.echo("ridedown: stopping once what is begun is kept; Ctrl-C once more stops at once", err=True)
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+    numbers = [signal.SIGTERM]
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not where it is ignored, as in the background
+        numbers.append(signal.SIGINT)
+    before = {number: signal.signal(number, interrupt) for number in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 class _Shown:

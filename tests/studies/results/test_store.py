@@ -8,6 +8,8 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -16,6 +18,7 @@ import pytest
 from ridedown.errors import InvalidInput
 from ridedown.studies.results.sql import query
 from ridedown.studies.results.store import Store, read_manifest
+from ridedown.studies.running import workers
 from ridedown.studies.running.execution import Progress, Stopped
 from tests.studies.small import SWEEP, contents, run, small
 
@@ -84,8 +87,34 @@ def test_interrupted_it_says_how_far_it_came(tmp_path):
 
     with pytest.raises(Stopped) as stopped:
         run(tmp_path / "out", report=interrupt)
-    assert stopped.value.progress.done == 32
-    assert len(contents(tmp_path / "out")) == 2
+    done = stopped.value.progress.done
+    assert 32 <= done <= 48  # the chunk that was begun is kept as well
+    assert len(contents(tmp_path / "out")) == done / 16
+
+
+def test_interrupted_it_keeps_what_its_threads_are_at_and_begins_no_more(whole, tmp_path, monkeypatch):
+    begun, go_on = [], threading.Event()
+    real = workers.compute
+
+    def slow(plan, chunk):
+        begun.append(chunk)
+        if chunk:
+            assert go_on.wait(30)
+        return real(plan, chunk)
+
+    def interrupt(progress):
+        if progress.done:
+            while len(begun) < 3:  # both threads are at another chunk
+                time.sleep(0.001)
+            threading.Timer(0.1, go_on.set).start()
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(workers, "compute", slow)
+    with pytest.raises(Stopped) as stopped:
+        run(tmp_path / "out", threads=2, report=interrupt)
+    assert stopped.value.progress.done == 48
+    assert sorted(begun) == [0, 1, 2]
+    assert {name: contents(whole)[name] for name in contents(tmp_path / "out")} == contents(tmp_path / "out")
 
 
 def test_a_file_that_is_cut_short_or_another_studys_counts_as_missing(whole, tmp_path):

@@ -96,16 +96,23 @@ def _go_through(loaded: LoadedStudy, plan: Plan, folder: Path, crew: Workers, *,
         before = plan.rows - sum(stop - start for start, stop in map(plan.span, missing))
         progress = Progress(plan.rows, before, 0, 0)
         computed = crew.chunks(plan, missing)
+
+        def keep(chunk: int, data: bytes, failed: int) -> None:
+            nonlocal progress
+            store.write(chunk, data)
+            start, stop = plan.span(chunk)
+            progress = Progress(plan.rows, before, progress.done + stop - start, progress.failed + failed)
+
         try:
             if report is not None:
                 report(progress)
-            for chunk, data, failed in computed:
-                store.write(chunk, data)
-                start, stop = plan.span(chunk)
-                progress = Progress(plan.rows, before, progress.done + stop - start, progress.failed + failed)
+            for one in computed:
+                keep(*one)
                 if report is not None:
                     report(progress)
         except KeyboardInterrupt:
+            for one in crew.begun():
+                keep(*one)
             raise Stopped(progress) from None
         finally:
             computed.close()

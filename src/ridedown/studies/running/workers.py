@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, as_completed, wait
 from itertools import count, islice
 from types import TracebackType
 from typing import Any, Self
@@ -38,6 +38,10 @@ class Workers(ABC):
     def chunks(self, plan: Plan, numbers: Iterable[int]) -> Generator[Computed]:
         """The chunks of these numbers, as they are done; a few are given out at a time, so that memory does not grow."""
 
+    def begun(self) -> Iterator[Computed]:
+        """Chunks that are being computed when no more are asked for, where they have to be waited for anyway; none begins."""
+        return iter(())
+
     @abstractmethod
     def rows(self, function: Function, pieces: Sequence[Mapping[str, Floats]]) -> list[Rows]:
         """The outcomes of pieces of rows, in their order."""
@@ -69,27 +73,40 @@ class Threads(Workers):
     def __init__(self, threads: int) -> None:
         self._threads = threads
         self._pool = ThreadPoolExecutor(threads, thread_name_prefix="ridedown-study")
+        self._running: set[Future[Computed]] = set()
+        self._patient = True
 
     def chunks(self, plan: Plan, numbers: Iterable[int]) -> Generator[Computed]:
         """The chunks of these numbers, as they are done."""
         waiting = iter(numbers)
-        running: set[Future[Computed]] = set()
         while True:
-            for chunk in islice(waiting, self._threads + _AHEAD - len(running)):
-                running.add(self._pool.submit(compute, plan, chunk))
-            if not running:
+            for chunk in islice(waiting, self._threads + _AHEAD - len(self._running)):
+                self._running.add(self._pool.submit(compute, plan, chunk))
+            if not self._running:
                 return
-            done, running = wait(running, return_when=FIRST_COMPLETED)
+            done, _ = wait(self._running, return_when=FIRST_COMPLETED)
             for future in done:
+                self._running.discard(future)
                 yield future.result()
+
+    def begun(self) -> Iterator[Computed]:
+        """Chunks that the threads are at, once they are done: the wait for a thread is not in vain."""
+        left = {future for future in self._running if not future.cancel()}
+        self._running.clear()
+        try:
+            for future in as_completed(left):
+                yield future.result()
+        except KeyboardInterrupt:
+            self._patient = False
+            raise
 
     def rows(self, function: Function, pieces: Sequence[Mapping[str, Floats]]) -> list[Rows]:
         """The outcomes of pieces of rows, in their order."""
         return list(self._pool.map(function.rows, pieces))
 
     def close(self) -> None:
-        """Let go of the threads, once each has ended what it computes."""
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        """Let go of the threads, once each has ended what it computes, or at once where that was asked for twice."""
+        self._pool.shutdown(wait=self._patient, cancel_futures=True)
 
 
 class Cluster(Workers):
@@ -101,7 +118,8 @@ class Cluster(Workers):
 
     def __init__(self, address: str) -> None:
         try:
-            from dask.distributed import Client, KilledWorker, as_completed  # noqa: PLC0415  an optional extra
+            from dask.distributed import Client, KilledWorker  # noqa: PLC0415  an optional extra
+            from dask.distributed import as_completed as as_done  # noqa: PLC0415
             from distributed.comm.addressing import get_address_host_port  # noqa: PLC0415
         except ImportError:
             raise InvalidInput(
@@ -116,7 +134,7 @@ class Cluster(Workers):
                 '"tcp://host:8786". Start one with `dask scheduler`.'
             ) from None
         self._killed: type[Exception] = KilledWorker
-        self._as_completed = as_completed
+        self._as_completed = as_done
         self._number = count()
 
     def chunks(self, plan: Plan, numbers: Iterable[int]) -> Generator[Computed]:
