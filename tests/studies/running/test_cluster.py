@@ -40,7 +40,7 @@ def test_no_scheduler_is_said_so(tmp_path, monkeypatch):
 @pytest.mark.parametrize("address", ["localhost", "tcp://localhost", "foo://host:8786", ""])
 def test_an_address_that_is_none_is_refused_at_once(tmp_path, address, monkeypatch):
     made = []
-    monkeypatch.setattr(distributed.Client, "__new__", lambda *_, **__: made.append(1))
+    monkeypatch.setattr("dask.distributed.Client", lambda *_, **__: made.append(1))
     with pytest.raises(InvalidInput, match=r'--cluster: got .*need an address such as "tcp://host:8786"'):
         run(tmp_path / "out", cluster=address)
     assert made == []
