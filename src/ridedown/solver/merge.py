@@ -1,0 +1,91 @@
+"""A solved motion in fewer polynomials: as few over each stretch in which nothing changes as are as good as exact.
+
+A phase ends at an event, where the acceleration has a kink, or where its power series would grow too long. The motion knows
+nothing of the latter: between events it is smooth, and the polynomial through its values at Chebyshev's nodes serves over some
+three times the length that a power series of its degree does, for its error falls as (w h / 4)^n / n!, not as (w h)^n / n!.
+See L. N. Trefethen, "Approximation Theory and Approximation Practice" (2013), ch. 8.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ridedown.network.model import Floats, Ints
+from ridedown.solver.layout import DEGREE
+from ridedown.solver.phases import Phases
+
+ERROR = 1e-12
+"""What a polynomial may be off, of the largest value: some digits less than a phase leaves out at its end."""
+
+_SAME_TIME = 1e-12  # s
+_N = DEGREE - 1  # coefficients of an acceleration
+_NODES = 0.5 + 0.5 * np.cos(np.pi * (np.arange(_N) + 0.5) / _N)  # on [0, 1]
+_BETWEEN = 0.5 + 0.5 * np.cos(np.pi * np.arange(_N + 1) / _N)  # where a polynomial through values at the nodes is off most
+_OF_VALUES = np.linalg.inv(chebyshev.chebvander(2.0 * _NODES - 1.0, _N - 1)).T  # [node, k]: Chebyshev's coefficients
+_THERE = chebyshev.chebvander(2.0 * _BETWEEN - 1.0, _N - 1).T  # [k, point]
+
+
+def _powers_of_chebyshev() -> Floats:
+    """[k, m]: what Chebyshev's polynomial k on [0, 1] has of the power m; whole numbers, exact."""
+    powers = np.zeros((_N, _N))
+    powers[0, 0], powers[1, :2] = 1.0, (-1.0, 2.0)
+    for k in range(2, _N):  # T(k) = 2 (2 u - 1) T(k - 1) - T(k - 2)
+        powers[k, 1:] = 4.0 * powers[k - 1, :-1]
+        powers[k] -= 2.0 * powers[k - 1] + powers[k - 2]
+    return powers
+
+
+_POWERS = _powers_of_chebyshev()
+
+
+def merged(phases: Phases, series: Floats) -> tuple[Floats, Floats]:
+    """An acceleration in as few polynomials as keep it: when each starts [s] (p,), and its coefficients (p, DEGREE - 1).
+
+    `series`: its coefficients by phase (n, DEGREE - 1). Both in ascending powers of the time since phase or polynomial start.
+    A stretch without events that would take as many polynomials as it has phases stays as it is.
+    """
+    largest = np.abs(series[:, 0]).max()
+    first = _stretches(phases)
+    last = np.append(first[1:], phases.start.size)
+    begin, end = phases.start[first], np.append(phases.start[first[1:]], phases.end)
+    found = [(phases.start[a:b], series[a:b]) for a, b in zip(first, last, strict=True)]
+    left, count = np.flatnonzero(last - first > 1), 1
+    while left.size:
+        cuts = np.linspace(begin[left], end[left], count + 1, axis=1)
+        fits, error = _through(phases.start, series, cuts, first[left], last[left] - 1)
+        good = error <= ERROR * largest
+        for n in np.flatnonzero(good):
+            found[left[n]] = (cuts[n, :-1], fits[n])
+        count += 1
+        left = left[~good & (last[left] - first[left] > count)]
+    return np.concatenate([start for start, _ in found]), np.concatenate([part for _, part in found])
+
+
+def _stretches(phases: Phases) -> Ints:
+    """The phases at whose start something changes, and the first."""
+    nearest = np.abs(phases.start[:, np.newaxis] - phases.event_time).min(axis=1, initial=np.inf)
+    nearest[0] = 0.0
+    return np.flatnonzero(nearest <= _SAME_TIME)
+
+
+def _through(start: Floats, series: Floats, cuts: Floats, first: Ints, last: Ints) -> tuple[Floats, Floats]:
+    """Polynomials between the cuts of each stretch (s, p + 1) through the values of its phases, first to last (s,).
+
+    Their coefficients (s, p, DEGREE - 1), and how far those of each stretch are off at most (s,).
+    """
+    low, length = cuts[:, :-1, np.newaxis], np.diff(cuts)[..., np.newaxis]
+
+    def value(places: Floats) -> Floats:
+        time = low + length * places
+        phase = np.searchsorted(start, time, side="right") - 1
+        phase = np.clip(phase, first[:, np.newaxis, np.newaxis], last[:, np.newaxis, np.newaxis])
+        since = time - start[phase]
+        total = series[phase, -1]
+        for order in range(series.shape[1] - 2, -1, -1):
+            total = total * since + series[phase, order]
+        return total
+
+    fits = value(_NODES) @ _OF_VALUES
+    error: Floats = np.abs(fits @ _THERE - value(_BETWEEN)).max(axis=(1, 2))
+    return fits @ _POWERS / length ** np.arange(_N), error
