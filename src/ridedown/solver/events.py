@@ -287,6 +287,12 @@ def _examine(
     store(shape, row(_ROUND_OFF), least)
     negative, positive = lanes_of(start < -least), lanes_of(start > least)
     falls, stays = positive & lanes_of(fastest < 0.0), lanes_of(end > 0.0)
+    once = 0
+    if bits & positive & ~falls != 0:  # what never turns negative, and what does so once
+        down, up, place = together.sign_changes(DEGREE, shape)
+        bits &= ~(positive & lanes_of(down == 0.0))
+        once = positive & lanes_of((down == 1.0) & (up == 0.0))
+        store(shape, row(_PLACE), place)
     while bits != 0:
         n = first_lane(bits)
         bits &= bits - 1
@@ -302,6 +308,11 @@ def _examine(
                 for j in range(DEGREE + 1):
                     falling[row(j) + count] = shape[row(j) + n]
                 _falls(shape[n], shape[row(_END) + n], shape[row(_FASTEST) + n], l, count, falling, power)
+        elif once & lane != 0:
+            kind = _FALLS
+            for j in range(DEGREE + 1):
+                falling[row(j) + count] = shape[row(j) + n]
+            falling[row(together.ROOT) + count] = shape[row(_PLACE) + n]
         else:
             for j in range(DEGREE + 1):
                 poly[j] = shape[row(j) + n]
@@ -318,9 +329,10 @@ def _examine(
     return count
 
 
-_END, _FASTEST, _ROUND_OFF = DEGREE + 1, DEGREE + 2, DEGREE + 3
-"""Rows of `shape` after the coefficients: the guard at the step's end, how slowly it falls at least, its round-off."""
-SHAPE_ROWS = DEGREE + 4
+_END, _FASTEST, _ROUND_OFF, _PLACE = DEGREE + 1, DEGREE + 2, DEGREE + 3, DEGREE + 4
+"""Rows of `shape` after the coefficients: the guard at the step's end, how slowly it falls at least, its round-off, and where
+its root is, roughly."""
+SHAPE_ROWS = DEGREE + 5
 
 
 @inlined

@@ -32,11 +32,12 @@ def track_all(
     lanes: int, tracked_start: Ints, tracked_family: Ints, tracked_index: Ints, tracked_weight: Floats, tracked_sense: Ints,
     q: Floats, acc: Floats, d: Floats, f: Floats, series: Floats, time: Floats, step: Floats, power: Floats,
     extreme: Floats, falling: Floats, owner: Ints, poly: Floats, room: Table, crash: Ints, until: Floats, pause: Floats,
-    last: Floats, sample_time: Floats, sampled: Ints, samples: Cube,
+    last: Floats, sample_time: Floats, sampled: Ints, samples: Cube, shape: Floats,
 ) -> None:  # fmt: skip
     """Raise every tracked extreme by what this step holds, and take the samples that lie in it.
 
-    `falling` and `owner` are room for polynomials solved together; `sampled` says how many samples a lane has.
+    `falling` and `owner` are room for polynomials solved together, `shape` for those of a block; `sampled` says how many
+    samples a lane has.
     """
     taken = 0
     for k in range(tracked_sense.size):
@@ -57,7 +58,7 @@ def track_all(
             _sample(lanes, source, base, taken, crash, until, pause, last, time, step, sample_time, sampled, samples)
             taken += 1
             continue
-        _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, falling, owner, poly, room)
+        _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, falling, owner, shape, poly, room)
     if taken > 0:
         for l in range(lanes):
             if crash[l] >= 0:
@@ -111,7 +112,7 @@ def _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weig
 
 
 @part
-def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, owner, poly, room):
+def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, owner, shape, poly, room):
     """Raise extreme k by what this step holds of a series, whose row of order 0 starts at `base` in `source`.
 
     `sense`: +1 largest, -1 smallest (kept as its negative), 0 largest magnitude.
@@ -158,12 +159,18 @@ def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, o
         above &= ~up & (~down | lanes_of((c > 0.0) & (last < 0.0)))
         below &= ~down & (~up | lanes_of((c < 0.0) & (last > 0.0)))
         search = above | (below << WIDTH)
+        once = down | (up << WIDTH)
+        if search & ~once != 0:  # those whose slope changes its sign not at all, or once
+            _slopes(o, block, source, power, shape)
+            falls, rises, _ = together.sign_changes(DEGREE - 1, shape)
+            search &= once | ~(lanes_of(falls == 0.0) | (lanes_of(rises == 0.0) << WIDTH))
+            once |= lanes_of((falls == 1.0) & (rises == 0.0)) | (lanes_of((rises == 1.0) & (falls == 0.0)) << WIDTH)
         while search != 0:
             bit = first_lane(search)
             search &= search - 1
             n, sign = bit % WIDTH, 1.0 if bit < WIDTH else -1.0
             l = block + n
-            if ((down if bit < WIDTH else up) >> n) & 1 != 0:
+            if (once >> bit) & 1 != 0:
                 if count == STRIDE:
                     _raise_all(count, source, base, time, step, best, when, extreme, falling, owner)
                     count = 0
@@ -191,6 +198,13 @@ def _bends(o, block, source, power):
         most += max(bend, 0.0)
         least += min(bend, 0.0)
     return most, least
+
+
+@inlined
+def _slopes(o, block, source, power, shape):
+    """The slope of a series, scaled to [0, 1], in all lanes of a block, into the rows of `shape`."""
+    for j in range(1, DEGREE + 1):
+        store(shape, row(j - 1), j * load(source, o + row(j)) * load(power, row(j) + block))
 
 
 @inlined

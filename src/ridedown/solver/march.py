@@ -174,6 +174,7 @@ def march(
         extremes.track_all(
             lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, lane_series,
             time, step, power, extreme, falling, owner, poly, room, crash, until, pause, last, sample_time, sampled, samples,
+            shape,
         )  # fmt: skip
         if with_work:
             stepping.add_work(lanes, law.size, step, d, f, rests, work)

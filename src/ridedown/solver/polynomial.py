@@ -30,7 +30,7 @@ _ITERATIONS = 80  # of the bracketed Newton search: bisection alone would need 5
 _NEWTON_DONE = 1e-9  # the error left by a Newton step of this length is of the order of its square
 _DIFFERENCES, _DERIVATIVE = _DEPTH + 1, _DEPTH + 2  # rows to work in, below those of the halvings
 
-_TO_BERNSTEIN = np.array(
+TO_BERNSTEIN = np.array(
     [
         [[comb(i, k) / comb(n, k) if k <= i <= n else 0.0 for i in range(MAX_DEGREE + 1)] for k in range(n + 1)]
         + [[0.0] * (MAX_DEGREE + 1)] * (MAX_DEGREE - n)
@@ -54,7 +54,7 @@ def _to_bernstein(p, room):
         room[0, i] = p[0]
     for k in range(1, n + 1):
         for i in range(n + 1):
-            room[0, i] += _TO_BERNSTEIN[n, k, i] * p[k]
+            room[0, i] += TO_BERNSTEIN[n, k, i] * p[k]
 
 
 @part

@@ -1,9 +1,10 @@
-"""Many polynomials, each with one root on [0, 1]: Newton's method on all of them at once."""
+"""Many polynomials on [0, 1] side by side: how often each changes its sign, and the roots of those that do so once."""
 
 from __future__ import annotations
 
 from ridedown.compiled import part
 from ridedown.solver.layout import DEGREE, STRIDE, row
+from ridedown.solver.polynomial import TO_BERNSTEIN
 from ridedown.solver.vector import ALL_LANES, WIDTH, lanes_of, load, spread, store, where
 
 ROOT, MOVED = DEGREE + 1, DEGREE + 2
@@ -12,6 +13,28 @@ ROWS = DEGREE + 3
 
 _ITERATIONS = 8  # at most
 _DONE = 1e-12  # what the last iteration may have moved; the rest is bisected
+
+
+@part
+def sign_changes(degree, shape):
+    """How often eight polynomials fall through zero on [0, 1], and rise through it, at most; and where the last is, roughly.
+
+    By Descartes' rule: no more often than their Bernstein coefficients do, and exactly once where those do. A coefficient of
+    zero counts as both: whoever sees both must look closely. shape: the polynomials, in the first lanes of rows by order of
+    ascending powers (`layout.row`).
+    """
+    falls, rises, place = spread(0.0), spread(0.0), spread(1.0)
+    before = load(shape, row(0))
+    for i in range(degree + 1):
+        b = load(shape, row(0))
+        for k in range(1, i + 1):
+            b += TO_BERNSTEIN[degree, k, i] * load(shape, row(k))
+        down, up, zero = (before > 0.0) & (b < 0.0), (before < 0.0) & (b > 0.0), b == 0.0
+        falls += where(down | zero, 1.0, 0.0)
+        rises += where(up | zero, 1.0, 0.0)
+        place = where(down | up, (i - 1.0 + before / (before - b)) / degree, place)  # of the control polygon
+        before = b
+    return falls, rises, place
 
 
 @part
