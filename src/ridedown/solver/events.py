@@ -57,12 +57,13 @@ def find(
     coordinates: int, term_start: Ints, term_coordinate: Ints, term_sign: Floats, lever: Ints, arm: Floats, q: Floats,
     tan: Floats, bend: Floats, mode: Ints, guard: Floats, d: Floats, crash: Ints, last: Floats, idle: Floats, step: Floats,
     power: Floats, found: Ints, root: Floats, found_count: Ints, pending: Ints, pending_count: Ints, falling: Floats,
-    owner: Ints, shape: Floats, poly: Floats, room: Table,
+    owner: Ints, shape: Floats, poly: Floats, room: Table, timed: bool,
 ) -> None:  # fmt: skip
     """What ends each lane's step: a guard negative at the start (it has no length), or the first to turn negative in it.
 
     The step of a lane with an event shrinks to it, and `pending`, empty at first, names the guards whose modes change then:
     those that turn negative at that instant, in the order of their numbers, so that nothing depends on a lane's neighbours.
+    `timed`: whether crashes are side by side in like modes, so that what bends both ways is told in all of a block at once.
     `found` and `root` are room for events and when they are, `falling` and `owner` for guards to be solved together, `shape`
     for one guard in the lanes of a block.
     """
@@ -100,7 +101,7 @@ def find(
                 g = guard_of(e, second_pair[e], n)
                 count = _examine(
                     g, leader[e], direction[e], block, bits, _SOONEST + n * STRIDE, guard, d, crash, power, found, root,
-                    found_count, pending, pending_count, falling, owner, count, shape, poly, room,
+                    found_count, pending, pending_count, falling, owner, count, shape, poly, room, timed,
                 )  # fmt: skip
     _note_all(count, falling, owner, power, found, root, found_count)
     for l in range(lanes):
@@ -273,7 +274,7 @@ def _unclear(round_off, start, slope, dip, power, soonest):
 @inlined
 def _examine(
     g, e, sign, block, bits, soonest, guard, d, crash, power, found, root, found_count, pending, pending_count, falling, owner,
-    count, shape, poly, room,
+    count, shape, poly, room, timed,
 ):  # fmt: skip
     """Read guard g, of `sign` times element e, closely in the lanes of a block that `bits` names: its polynomial on [0, 1].
 
@@ -288,7 +289,7 @@ def _examine(
     negative, positive = lanes_of(start < -least), lanes_of(start > least)
     falls, stays = positive & lanes_of(fastest < 0.0), lanes_of(end > 0.0)
     once = 0
-    if bits & positive & ~falls != 0:  # what never turns negative, and what does so once
+    if timed and bits & positive & ~falls != 0:  # what never turns negative, and what does so once
         down, up, place = together.sign_changes(DEGREE, shape)
         bits &= ~(positive & lanes_of(down == 0.0))
         once = positive & lanes_of((down == 1.0) & (up == 0.0))

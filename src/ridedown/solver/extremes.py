@@ -32,7 +32,7 @@ def track_all(
     lanes: int, tracked_start: Ints, tracked_family: Ints, tracked_index: Ints, tracked_weight: Floats, tracked_sense: Ints,
     q: Floats, acc: Floats, d: Floats, f: Floats, series: Floats, time: Floats, step: Floats, power: Floats,
     extreme: Floats, falling: Floats, owner: Ints, poly: Floats, room: Table, crash: Ints, until: Floats, pause: Floats,
-    last: Floats, sample_time: Floats, sampled: Ints, samples: Cube, shape: Floats,
+    last: Floats, sample_time: Floats, sampled: Ints, samples: Cube, shape: Floats, timed: bool,
 ) -> None:  # fmt: skip
     """Raise every tracked extreme by what this step holds, and take the samples that lie in it.
 
@@ -58,7 +58,7 @@ def track_all(
             _sample(lanes, source, base, taken, crash, until, pause, last, time, step, sample_time, sampled, samples)
             taken += 1
             continue
-        _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, falling, owner, shape, poly, room)
+        _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, falling, owner, shape, poly, room, timed)
     if taken > 0:
         for l in range(lanes):
             if crash[l] >= 0:
@@ -112,7 +112,7 @@ def _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weig
 
 
 @part
-def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, owner, shape, poly, room):
+def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, owner, shape, poly, room, timed):
     """Raise extreme k by what this step holds of a series, whose row of order 0 starts at `base` in `source`.
 
     `sense`: +1 largest, -1 smallest (kept as its negative), 0 largest magnitude.
@@ -160,7 +160,7 @@ def _track(lanes, k, sense, source, base, time, step, power, extreme, falling, o
         below &= ~down & (~up | lanes_of((c < 0.0) & (last > 0.0)))
         search = above | (below << WIDTH)
         once = down | (up << WIDTH)
-        if search & ~once != 0:  # those whose slope changes its sign not at all, or once
+        if timed and search & ~once != 0:  # those whose slope changes its sign not at all, or once
             _slopes(o, block, source, power, shape)
             falls, rises, _ = together.sign_changes(DEGREE - 1, shape)
             search &= once | ~(lanes_of(falls == 0.0) | (lanes_of(rises == 0.0) << WIDTH))

@@ -168,13 +168,13 @@ def march(
         events.find(
             lanes, law, leader, direction, pair_element, second_pair, rests, parent.size, term_start, term_coordinate,
             term_sign, lever, arm, q, tan, bend, mode, guard, d, crash, last, idle, step, power, found, root, found_count,
-            pending, pending_count, falling, owner, shape, poly, room,
+            pending, pending_count, falling, owner, shape, poly, room, timed,
         )  # fmt: skip
         stepping.powers(lanes, step, power)
         extremes.track_all(
             lanes, tracked_start, tracked_family, tracked_index, tracked_weight, tracked_sense, q, acc, d, f, lane_series,
             time, step, power, extreme, falling, owner, poly, room, crash, until, pause, last, sample_time, sampled, samples,
-            shape,
+            shape, timed,
         )  # fmt: skip
         if with_work:
             stepping.add_work(lanes, law.size, step, d, f, rests, work)
