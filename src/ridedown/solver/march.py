@@ -306,7 +306,7 @@ def _settle(
 ):  # fmt: skip
     """Where the reels of lane l are, at the end of its last step."""
     for e in range(law.size):
-        if law[e] == laws.RESTRAINT:
+        if law[e] == laws.RESTRAINT and restraint.gives_way(e, l, piece_start, mode):
             if leader[e] != e or rests[row(e) + block] == series.RESTS:
                 series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
             changes.settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)

@@ -320,6 +320,13 @@ def _all_let_out(e, l, crash, n, coefficients, memory):
     memory[memory_at(e, STAGE) + l] = 1.0 if n == 0 and coefficients[PAYOUTS + 1, e, crash] > out else 2.0
 
 
+@inlined
+def gives_way(e, l, piece_start, mode):
+    """Whether the reel of a restraint gives way, so that only its force says where it is: it slips or is held."""
+    kind = mode[mode_at(e, NUMBER) + l] - piece_start[e + 1] + piece_start[e]
+    return SLIPPING_1 <= kind <= HELD_2
+
+
 @kernel
 def settle(
     e: int, l: int, crash: int, d: float, v: float, piece_start: Ints, coefficients: Cube, pieces: Cube, memory: Floats,
@@ -328,8 +335,6 @@ def settle(
     """Where the reel is, of a restraint that slips or is held: its line, fixed there, gives the force that it has."""
     count = piece_start[e + 1] - piece_start[e]
     now = mode[mode_at(e, NUMBER) + l]
-    if not count + SLIPPING_1 <= now <= count + HELD_2:
-        return
     branch = int(memory[memory_at(e, BRANCH) + l])
     elongation = _elongation(e, l, crash, v, now - count, branch, piece_start[e], count, coefficients, pieces, memory)
     before = memory[memory_at(e, REEL) + l]
@@ -374,7 +379,7 @@ def fire(
         memory[memory_at(e, REEL) + l] = min(coefficients[SLACK, e, crash] - d, 0.0)
         now = OPEN
     force = line[line_at(e, F0) + l] + line[line_at(e, K) + l] * (d - line[line_at(e, D0) + l]) + line[line_at(e, C) + l] * v
-    if count + SLIPPING_1 <= now <= count + HELD_2:
+    if gives_way(e, l, piece_start, mode):
         settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode)
         memory[memory_at(e, BARE) + l] = 0.0
         now = int(memory[memory_at(e, BRANCH) + l])
