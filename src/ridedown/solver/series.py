@@ -113,8 +113,11 @@ EXPANDS, RESTS, FILLS = range(3)
 as the deflections of orders 2 and up are, unless `deflect` is called; or it has a series, and a bag fills."""
 
 
-@part
-def side_by_side(lanes, law, leader, beside, direction, quiet, recorded, mode, line, d, f, total, rests):
+@kernel
+def side_by_side(
+    lanes: int, law: Ints, leader: Ints, beside: Ints, direction: Floats, quiet: Ints, recorded: bool, mode: Ints,
+    line: Floats, d: Floats, f: Floats, total: Floats, rests: Ints,
+) -> None:  # fmt: skip
     """Sum up, for restraints side by side, the force of all of them; the first stands for them in the series."""
     for e in range(law.size):
         if law[e] != RESTRAINT or leader[e] != e:
