@@ -153,6 +153,11 @@ def test_indices_are_in_order_with_their_intervals():
     assert "b total 0.700, first 0.600" in plot.description
 
 
+def test_an_index_that_rounds_to_nothing_has_no_sign():
+    nothing = {"belt": Interval(-1e-5, -2e-5, 1e-5), "bag": Interval(0.5, 0.4, 0.6)}
+    assert "belt total 0.000, first 0.000" in index_plot("chest", nothing, nothing).description
+
+
 def test_effects_are_in_the_units_of_the_outcome():
     plot = effect_plot(WAY, {"a": Interval(0.1, 0.08, 0.12)}, {"a": 0.03})
     assert axes_of(plot).patches[0].get_width() == pytest.approx(100.0)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ridedown.report.study_axes import Floats, Quantity, done, finite, listed, note, slug
 from ridedown.report.style import HEIGHT, INK, PALETTE, WIDTH, Plot, new_axes, put_title, room_for_names, title_of
+from ridedown.report.tables import number
 
 _MOST = 15  # parameters that a figure shows
 _SHARE = 0.1
@@ -37,7 +38,7 @@ def index_plot(outcome: str, first: Mapping[str, Interval], total: Mapping[str, 
     axes.axvline(0.0, color=INK, linewidth=0.7)
     axes.axvline(1.0, color=INK, linewidth=0.7, linestyle=(0, (2, 2)))
     axes.legend(loc="lower right", fontsize=9.0, frameon=True, framealpha=0.85, edgecolor="none")
-    said = "; ".join(f"{name} total {total[name].value:.3f}, first {first[name].value:.3f}" for name in order)
+    said = "; ".join(f"{name} total {number(total[name].value, 3)}, first {number(first[name].value, 3)}" for name in order)
     text = f"Sobol indices of {outcome}, with intervals. {said}.{_left_out(total)}"
     return Plot(slug("sobol", outcome), title_of(axes), text, done(axes, legend=False))
 
