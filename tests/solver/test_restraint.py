@@ -477,6 +477,27 @@ def test_a_slipping_belt_comes_off_its_curve_once() -> None:
             assert solved.phases.payout[0] == pytest.approx(undamped.phases.payout[0], rel=2e-5 * damping)
 
 
+def test_the_farthest_way_back_after_a_step_that_starts_where_the_occupant_turns() -> None:
+    """Its rate is zero there but for round-off: no place to look for where it turns next."""
+    slack = np.linspace(0.0, 0.05, 40)
+    belt = Restraint(
+        (0.0, 0.043), (0.0, 2150.0), (50e3, 2.1e3), slack, 5.6, 50.00000005e3,
+        limits=(3000.0, np.inf), stalls=(np.inf, 1500.0), free=True,
+        timers=(Timer(Action.LOCK, 0.01), *_pull(Action.PULL_2, 0.01, 0.005, 0.1)),
+    )  # fmt: skip
+    builder = Builder()
+    car = builder.body("vehicle1", mass=2056.0, speed=6.33)
+    body = builder.body("driver", mass=MASS, speed=6.33, parent=car)
+    builder.element("vehicle1.front", Curve((0.0,), (0.0,), (233e3,)), deflection={car: 1.0})
+    builder.element("driver.belt", belt, deflection={body: 1.0, car: -1.0})
+    network = builder.build(duration=0.15)
+    excursion = channels(network)["driver.excursion"]
+    least = solve_many(network, tracked([(excursion, -1)])).best[0]
+    for row, value in enumerate(least):
+        phases, _ = solve_one(network.rows(np.array([row])))
+        assert value == pytest.approx(phases.largest(phases.series(excursion), -1)[0], rel=1e-10, abs=1e-13)
+
+
 def test_of_a_level_top_the_first_point_is_the_peak() -> None:
     limited, who = load("example-restraints"), "driver.shoulder-belt.force"
     network = lower(limited)

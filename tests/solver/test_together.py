@@ -100,3 +100,14 @@ def test_roots_that_newton_finds_and_those_it_does_not() -> None:
     roots(24, falling)
     for x, (root, within) in enumerate(expected):
         assert falling[together.ROOT * STRIDE + x] == pytest.approx(root, abs=within)
+
+
+@pytest.mark.parametrize(("beyond", "start"), [(-3e-18, 1e-18), (-1e-14, 0.0), (1.0 + 1e-13, 1.0)])
+def test_a_root_just_beyond_the_interval_is_not_taken_for_the_one_in_it(beyond: float, start: float) -> None:
+    falling = np.zeros(together.ROWS * STRIDE)
+    sign = 1.0 if beyond > 0.0 else -1.0
+    for order, coefficient in enumerate(np.polynomial.polynomial.polymul([beyond * sign, -sign], [0.3, -1.0])):
+        falling[order * STRIDE] = coefficient
+    falling[together.ROOT * STRIDE] = start
+    roots(1, falling)
+    assert falling[together.ROOT * STRIDE] == pytest.approx(0.3, abs=1e-15)

@@ -42,11 +42,13 @@ def solve(count, falling):
     """The roots of the first `count` columns, each a polynomial that goes from plus to minus once on [0, 1], into row ROOT.
 
     falling: rows by order of ascending powers, a polynomial a column (`layout.row`); in row ROOT, where to start from: best a
-    place from which Newton's method cannot go astray. Where it does, halving the interval finds the root all the same.
+    place from which Newton's method cannot go astray. Where it does, to another root just beyond an end of the interval too,
+    halving what is left of the interval finds the root all the same.
     """
     root, moved = row(ROOT), row(MOVED)
     for x in range(0, count, WIDTH):
         t, change = load(falling, root + x), spread(1.0)
+        low, high = spread(0.0), spread(1.0)
         for _ in range(_ITERATIONS):
             o = row(DEGREE) + x
             f = load(falling, o)
@@ -56,9 +58,12 @@ def solve(count, falling):
                 slope = slope * t + f
                 f = f * t + load(falling, o)
             moving = change > _DONE  # one that has arrived stays, whatever its neighbours still do
-            further = f / slope
-            t = where(moving, min(max(t - further, 0.0), 1.0), t)
-            change = where(moving, abs(further), change)
+            low, high = where(f > 0.0, t, low), where(f > 0.0, high, t)
+            nearer = t - f / slope
+            inside = (nearer >= low) & (nearer <= high)
+            nearer = where(inside, nearer, 0.5 * (low + high))
+            change = where(moving, where(inside, abs(nearer - t), 1.0), change)
+            t = where(moving, nearer, t)
             if lanes_of(change <= _DONE) == ALL_LANES:
                 break
         store(falling, root + x, t)
