@@ -146,22 +146,7 @@ def march(
         )  # fmt: skip
 
         stepping.choose_steps(
-            lanes,
-            parent.size,
-            bars.size,
-            driven,
-            tolerance,
-            until,
-            pause,
-            time,
-            scale,
-            idle,
-            trial,
-            acc,
-            tan,
-            step,
-            last,
-            power,
+            lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, trial, acc, tan, step, last, power
         )
         if restrained:
             stepping.bends(lanes, parent.size, watched, q, tan, step, power, bend)

@@ -42,14 +42,12 @@ _BRAKING = np.log2(BRAKING_TIME)
 
 
 @part
-def choose_steps(
-    lanes, coordinates, bars, driven, tolerance, until, pause, time, scale, idle, trial, acc, tan, step, last, power
-):  # fmt: skip
+def choose_steps(lanes, coordinates, bars, tolerance, until, pause, time, scale, idle, trial, acc, tan, step, last, power):
     """The length of each lane's step, from its last acceleration coefficients, and no further than the next pause.
 
     If they fall off as scale / r^n, the step is the same fraction of r whichever of them is looked at. Four are: in a motion
     from rest, or one that is even in time, every second or three in four are zero. The tangents are looked at too: under
-    constant forces they alone go on for ever. A driven body's are not: they are all there.
+    constant forces they alone go on for ever.
 
     What is left out of an acceleration counts as long as the step is: of one longer than a crash takes to brake, less may be.
     """
@@ -63,8 +61,7 @@ def choose_steps(
                 total += abs(load(tan, at(b, j) + block))
             total *= j * (j - 1.0)
             for i in range(coordinates):
-                if i != driven:
-                    total += abs(load(acc, at(i, j - 2) + block))
+                total += abs(load(acc, at(i, j - 2) + block))
             coefficient = total / load(scale, block)
             finite &= coefficient < np.inf
             steepest = max(steepest, _logarithm(max(coefficient, _TINY)) * (1.0 / (j - 2)))
