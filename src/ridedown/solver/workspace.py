@@ -380,7 +380,9 @@ def _next_of(leader: Ints) -> Ints:
 def _watched(network: Network, lever: Ints) -> Ints:
     restrains = network.law == Law.RESTRAINT
     coordinates = network.term_coordinate[np.repeat(restrains, np.diff(network.term_start))]
-    return np.unique(np.concatenate((coordinates, len(network.coordinates) + lever[restrains & (lever >= 0)])))
+    watched = np.zeros(len(network.coordinates) + int(network.is_rotation.sum()), dtype=np.bool_)
+    watched[coordinates] = watched[len(network.coordinates) + lever[restrains & (lever >= 0)]] = True
+    return np.flatnonzero(watched)
 
 
 def _quiet(network: Network, tracked: Tracked) -> Ints:
