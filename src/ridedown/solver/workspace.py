@@ -353,10 +353,12 @@ def _side_by_side(network: Network, tracked: Tracked, *, each: bool) -> tuple[In
     Only of restraints whose own deflection and force nobody asks for; any other is the first of none but itself.
     """
     leader, direction = np.arange(len(network.elements)), np.ones(len(network.elements))
+    if each:
+        return leader, direction
     heard = tracked.item[np.isin(tracked.family, (Family.DEFLECTION, Family.DEFLECTION_RATE, Family.FORCE))]
     first: dict[tuple[tuple[float, ...], ...], int] = {}
     for e in np.flatnonzero((network.law == Law.RESTRAINT) & (network.lever < 0)).tolist():
-        if each or e in heard:
+        if e in heard:
             continue
         terms = slice(network.term_start[e], network.term_start[e + 1])
         reactions = slice(network.reaction_start[e], network.reaction_start[e + 1])
@@ -370,15 +372,18 @@ def _side_by_side(network: Network, tracked: Tracked, *, each: bool) -> tuple[In
 def _next_of(leader: Ints) -> Ints:
     """Of every element the next with the same leader, or -1."""
     following = np.full(leader.size, -1, dtype=np.int64)
-    for e in range(leader.size):
-        later = np.flatnonzero(leader[e + 1 :] == leader[e])
-        if later.size:
-            following[e] = e + 1 + later[0]
+    last: dict[int, int] = {}
+    for e, first in enumerate(leader.tolist()):
+        if first in last:
+            following[last[first]] = e
+        last[first] = e
     return following
 
 
 def _watched(network: Network, lever: Ints) -> Ints:
     restrains = network.law == Law.RESTRAINT
+    if not restrains.any():
+        return np.zeros(0, dtype=np.int64)
     coordinates = network.term_coordinate[np.repeat(restrains, np.diff(network.term_start))]
     watched = np.zeros(len(network.coordinates) + int(network.is_rotation.sum()), dtype=np.bool_)
     watched[coordinates] = watched[len(network.coordinates) + lever[restrains & (lever >= 0)]] = True
