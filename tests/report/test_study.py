@@ -180,3 +180,13 @@ def test_the_ends_of_a_front_are_the_best_for_each_objective(tmp_path):
     assert [row[0] for row in ends.rows] == ["adult.excursion.max", "adult.excursion.min"]
     assert ends.rows[0][2] == Quantity("", "m").text(float(least), unit=False)
     assert ends.rows[1][3] == Quantity("", "m").text(float(most), unit=False)
+
+
+def test_an_outcome_that_is_the_same_in_every_row_is_named_and_not_drawn(tmp_path):
+    outcomes = ["adult.acceleration.peak", "child.acceleration.peak"]
+    belt = {"path": "adult.restraint.stiffness", "range": ["78 kN/m", "118 kN/m"]}
+    told = {"kind": "sample", "scenario": "p1", "outcomes": outcomes, "sample": {"rows": 64, "seed": 0}, "parameters": [belt]}
+    loaded = load_study(told)
+    section = report.page_of(loaded, run_study(loaded, tmp_path / "results")).sections[0]
+    assert section.title == "Distributions. The same in every row: child.acceleration.peak"
+    assert len(section.plots) == 1

@@ -281,10 +281,14 @@ def _apart(one: Floats, other: Floats) -> bool:
 
 
 def _sample(kept: _Kept) -> Iterator[Section]:
-    spread, rare = [], []
+    spread, rare, level = [], [], []
     for outcome in kept.drawn:
         (values,) = kept.columns(outcome)
-        if not np.isfinite(values).any():
+        known = values[np.isfinite(values)]
+        if not known.size:
+            continue
+        if np.ptp(known) == 0.0:
+            level.append(outcome.name)
             continue
         bars, said = kept.bars(outcome)
         found = kept.results.get("outcomes", {}).get(outcome.name, {}).get("quantiles", [])
@@ -292,7 +296,8 @@ def _sample(kept: _Kept) -> Iterator[Section]:
         spread.append(distribution_plot(outcome, values, limits=bars, said=said, quantiles=quantiles))
         if bars:
             rare.append(cumulative_plot(outcome, values, limits=bars, said=said))
-    yield Section("distributions", "Distributions", plots=tuple(spread))
+    same = f". The same in every row: {', '.join(level)}" if level else ""
+    yield Section("distributions", f"Distributions{same}", plots=tuple(spread))
     if rare:
         yield Section("exceeded", "How often a limit is exceeded", plots=tuple(rare))
     yield Section("tornado", "What the outcomes go with", plots=tuple(_tornados(kept)))
