@@ -24,17 +24,24 @@ export type Change = (change: Partial<State>) => void;
 
 export interface ViewProps { live: Live; state: State; change: Change; theme: string; ready: boolean }
 
+/** Where the browser's history stands: the address that the state was read from or written to, and the view it shows. */
+interface Entry { address: string | null; view: View | null } // no view until it is read
+
 export function App() {
   const [state, setState] = useState<State | null>(null);
   const [status, setStatus] = useState<Status>(live.status);
   const [theme, setTheme] = useTheme();
-  const own = useRef<string | null>(null); // the address that the state was read from, or written to
+  const entry = useRef<Entry>({ address: null, view: null });
 
   useEffect(() => {
     const follow = async () => {
-      if (location.hash === own.current) return;
-      own.current = location.hash;
-      setState(await read(location.hash));
+      const address = location.hash;
+      if (address === entry.current.address) return;
+      const gone: Entry = entry.current = { address, view: null };
+      const there = await read(address);
+      if (entry.current !== gone) return; // gone on while it was read
+      gone.view = there.view;
+      setState(there);
     };
     void follow();
     addEventListener("hashchange", follow);
@@ -46,19 +53,25 @@ export function App() {
     };
   }, []);
 
-  const lastView = useRef<View | null>(null);
   useEffect(() => {
-    if (!state) return;
+    const here = entry.current;
+    if (!state || here.view === null) return; // an address is being read, and this is not its state
+    let stale = false;
     const later = setTimeout(async () => {
-      const hash = await write(state);
-      const way = lastView.current && lastView.current !== state.view ? "pushState" : "replaceState";
-      lastView.current = state.view;
+      const address = await write(state);
+      // Gone back or forward meanwhile: that address is followed. Written now, this one would cut off what lies ahead of it.
+      if (stale || entry.current !== here || location.hash !== here.address) return;
+      const way = here.view === state.view ? "replaceState" : "pushState";
+      here.view = state.view;
       document.title = `${NAMES[state.view]} · ridedown`;
-      if (hash === location.hash) return;
-      own.current = hash;
-      history[way](null, "", hash);
+      if (address === here.address) return;
+      here.address = address;
+      history[way](null, "", address);
     }, 120);
-    return () => clearTimeout(later);
+    return () => {
+      stale = true;
+      clearTimeout(later);
+    };
   }, [state]);
 
   const change = useCallback<Change>((part) => setState((before) => ({ ...(before ?? START), ...part })), []);

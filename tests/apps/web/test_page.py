@@ -259,6 +259,18 @@ def test_back_and_forward(watched: Watched) -> None:
     page.wait_for_selector(SHOWN["paper"])
 
 
+def test_forward_soon_after_back_finds_what_lay_ahead(watched: Watched) -> None:
+    page = watched.open()
+    page.get_by_role("button", name="Paper").click()
+    page.wait_for_selector(SHOWN["paper"])
+    settled_address = "() => new Promise((done) => setTimeout(() => done(location.hash), 400))"
+    ahead = page.evaluate(settled_address)
+    for pause in range(100, 140, 2):  # ms: the address is written 120 ms after what it holds has changed
+        page.evaluate("(pause) => { history.back(); setTimeout(() => history.forward(), pause); }", pause)
+        assert page.evaluate(settled_address) == ahead, f"{pause} ms"
+    page.wait_for_selector(SHOWN["paper"])
+
+
 def test_time_is_scrubbed_played_and_stepped(watched: Watched) -> None:
     page = watched.open("#/crash?s=example-offset&t=0.05")
     line = page.locator(".moment").first
