@@ -58,7 +58,7 @@ def study(
         typer.echo(f"ridedown: stopped with {done:,}{of} rows kept in {folder}. {_how_to_go_on(file, out)}", err=True)
         return False
     summary = summary_of(folder)
-    _write_page(loaded, folder)
+    _write_page(loaded, folder, summary)
     if as_json:
         show.as_json(summary)
     else:
@@ -69,11 +69,11 @@ def study(
     return bool(failed < summary["rows"])
 
 
-def _write_page(loaded: LoadedStudy, folder: Path) -> None:
+def _write_page(loaded: LoadedStudy, folder: Path, summary: dict[str, Any]) -> None:
     from ridedown.report.study import page_of  # noqa: PLC0415  draws, which takes a second to load
 
     try:
-        page_of(loaded, folder).write(folder)
+        page_of(loaded, folder, summary).write(folder)
     except OSError as error:
         raise InvalidInput(
             f"{folder}: got a page that cannot be written ({error.strerror}); need room. The rows are kept."

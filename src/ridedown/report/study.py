@@ -71,14 +71,16 @@ class Page:
         return render("ridedown.report", "study.html", **given)
 
 
-def page_of(loaded: LoadedStudy, folder: Path) -> Page:
+def page_of(loaded: LoadedStudy, folder: Path, summary: dict[str, Any] | None = None) -> Page:
     """The page of a study whose results are in a folder: what its kind calls for, drawn from the rows that are kept.
+
+    summary: what `summary_of` says of the folder, where that was asked already.
 
     Raises: InvalidInput for a folder without results.
     """
     if loaded.study.bound is not None:
         return bound_page(kept_bound(loaded, folder), description=loaded.study.description, source=loaded.text)
-    kept = _Kept(loaded, folder)
+    kept = _Kept(loaded, folder, summary or summary_of(folder))
     if loaded.searches:
         return _found_page(kept, folder)
     kinds = {"sweep": _sweep, "sample": _sample, "sensitivity": _sensitivity}
@@ -163,10 +165,10 @@ def front_section(
 class _Kept:
     """The results in a folder, and how to get at them."""
 
-    def __init__(self, loaded: LoadedStudy, folder: Path) -> None:
+    def __init__(self, loaded: LoadedStudy, folder: Path, summary: dict[str, Any]) -> None:
         self.loaded = loaded
         self.kind: str = loaded.study.kind
-        self.summary = summary_of(folder)
+        self.summary = summary
         self.results: dict[str, Any] = self.summary.get("results") or {}
         self.connection = connect(folder)
         columns = read_manifest(folder)["columns"]

@@ -25,7 +25,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
-from scipy.stats import qmc
 
 from ridedown.errors import InvalidInput, UnknownName
 from ridedown.studies.distributions import Distribution
@@ -111,6 +110,8 @@ class Sobol:
 
     def __post_init__(self) -> None:
         _at_least_one(self.dimensions, "dimensions")
+        from scipy.stats import qmc  # noqa: PLC0415  slow to import
+
         if self.dimensions > qmc.Sobol.MAXDIM:
             raise InvalidInput(
                 f"dimensions: got {self.dimensions}; need <= {qmc.Sobol.MAXDIM}. Take a Latin hypercube or random rows."

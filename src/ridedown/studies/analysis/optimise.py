@@ -15,7 +15,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import Bounds, differential_evolution, minimize
 
 from ridedown.errors import InvalidInput
 from ridedown.studies.analysis.designs import Seed, Sobol, seed_of
@@ -73,6 +72,8 @@ def optimise(
     (0.3, ('b',))
     """
     check_count(candidates, "candidates", 8)
+    from scipy.optimize import Bounds, differential_evolution  # noqa: PLC0415  slow to import
+
     check_count(generations, "generations")
     fixed = seed_of(seed)
     total = candidates * (generations + 1)
@@ -139,6 +140,8 @@ class _Order:
 
 def _by_slope(judge: Judge, order: _Order, start: Floats) -> Floats:
     """Sequential quadratic programming, all differences of a step in one batch."""
+    from scipy.optimize import minimize  # noqa: PLC0415  slow to import
+
     n, count = start.size, len(judge.requirements)
     seen: dict[bytes, tuple[float, Floats, Floats, Floats]] = {}
 

@@ -20,8 +20,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from scipy import stats
-from scipy.special import betaincinv, ndtri
+from scipy.special import betaincinv, ndtri, stdtrit
 
 from ridedown.errors import InvalidInput
 from ridedown.studies.analysis.designs import Design, LatinHypercube, Random, Scramblings, Seed, Variables, seed_of
@@ -240,28 +239,38 @@ def summary(
 
 def _quantile(kept: Floats, parts: list[Floats], share: float, confidence: float) -> Quantile:
     """A quantile of sorted values; interval by order statistics, or by how those of the parts differ."""
-    value = float(np.quantile(kept, check_share(share, "shares")))
+    value = _between(kept, check_share(share, "shares"))
     # a tail that hardly any row of a part reaches is told by the rows of all parts
     tail = min(share, 1.0 - share) * min((part.size for part in parts), default=0)
     if parts and tail >= _ENOUGH:
-        low, high = _mean_interval(np.array([np.quantile(part, share) for part in parts]), confidence)
+        low, high = _mean_interval(np.array([_between(part, share) for part in parts]), confidence)
         # The quantile of a part is biased, and the more so the fewer rows it has: its spread is used, not its mean.
         half = 0.5 * (high - low)
         return Quantile(share, Estimate(value, value - half, value + half, confidence))
+    from scipy.stats import binom  # noqa: PLC0415  slow to import
+
     rest = 0.5 * (1.0 - confidence)
-    below = int(stats.binom.ppf(rest, kept.size, share))
-    above = int(stats.binom.ppf(1.0 - rest, kept.size, share)) + 1
+    below = int(binom.ppf(rest, kept.size, share))
+    above = int(binom.ppf(1.0 - rest, kept.size, share)) + 1
     # where even the extremes are not far out enough, nothing bounds the quantile
     low = -np.inf if below < 1 else float(kept[below - 1])
     high = np.inf if above > kept.size else float(kept[above - 1])
     return Quantile(share, Estimate(value, low, high, confidence))
 
 
+def _between(rising: Floats, share: float) -> float:
+    """The quantile of sorted values, linear between two of them, as numpy's: which sorts once more whatever it is given."""
+    place = share * (rising.size - 1)
+    below = int(place)
+    pair = rising[below : below + 2]
+    return float(np.quantile(pair, place - below))
+
+
 def _mean_interval(values: Floats, confidence: float) -> tuple[float, float]:
     """Student's interval of the mean of independent values."""
     if values.size < 2:
         return -np.inf, np.inf
-    half = float(stats.t.ppf(0.5 + 0.5 * confidence, values.size - 1) * values.std(ddof=1) / np.sqrt(values.size))
+    half = float(stdtrit(values.size - 1, 0.5 + 0.5 * confidence) * values.std(ddof=1) / np.sqrt(values.size))
     middle = float(values.mean())
     return middle - half, middle + half
 

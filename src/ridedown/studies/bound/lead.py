@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from ridedown.scenario.pulse_motion import PulseMotion
 
@@ -204,6 +203,8 @@ def crossing(function: Callable[[float], float], low: float, high: float) -> flo
     first, last = function(low), function(high)
     if first == 0.0 or last == 0.0 or (first > 0.0) == (last > 0.0):
         return low if abs(first) <= abs(last) else high
+    from scipy.optimize import brentq  # noqa: PLC0415  slow to import
+
     return float(brentq(function, low, high, xtol=_XTOL, rtol=_RTOL, maxiter=300))
 
 

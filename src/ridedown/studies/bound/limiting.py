@@ -20,7 +20,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from ridedown.criteria import STANDARD_GRAVITY, olc
 from ridedown.criteria.checks import number
@@ -28,7 +27,7 @@ from ridedown.errors import InvalidInput, UnknownName
 from ridedown.motion import Source, motion_of
 from ridedown.response import Response
 from ridedown.scenario.pulse_motion import PulseMotion
-from ridedown.studies.bound.lead import Floats, Lead, Unrestrained
+from ridedown.studies.bound.lead import Floats, Lead, Unrestrained, crossing
 from ridedown.studies.bound.least_peak import How, Least, Proof, Room, Stage, least_peak
 
 _NOT_BELOW_ZERO = math.nextafter(0.0, -1.0)
@@ -205,7 +204,7 @@ class Limiting:
         while low == self.slack > 0.0 and over(middle := 0.5 * (low + high)) <= 0.0:
             high = middle
         low = 0.5 * (low + high) if low == self.slack > 0.0 else low
-        return float(brentq(over, low, high, xtol=1e-12, rtol=1e-12))
+        return crossing(over, low, high)
 
 
 @dataclass(frozen=True, slots=True)

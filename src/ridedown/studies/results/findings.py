@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 def column(folder: Path, name: str) -> Floats:
     """A column of the results in a folder, in the order of the rows, (R,); NaN where a row has none."""
-    parts = [pq.read_table(path, columns=[name])[name].to_numpy() for path in chunk_files(folder)]
+    parts = [pq.ParquetFile(path).read([name], use_threads=False)[name].to_numpy() for path in chunk_files(folder)]
     values: Floats = np.concatenate(parts)
     return values
 
