@@ -242,6 +242,40 @@ def test_a_bag_pushes_as_much_as_it_is_full() -> None:
     assert expected.max() > 1e3
 
 
+def test_a_bag_that_fills_untouched_costs_no_step() -> None:
+    timers = (Timer(Action.FILL, 0.0251, 1.0 / 0.02), Timer(Action.FILL, 0.0451, 0.0))
+    late = Solved(sled(spring(70e3, slack=0.3, damping=400.0, empty=True, timers=timers)))
+    full = Solved(sled(spring(70e3, slack=0.3, damping=400.0)))
+    assert late.phases.start.size == full.phases.start.size
+    assert late.largest("driver.0.force")[0] > 1e3
+    assert late.changes[:2] == [(-1, 0), (-1, 1)]  # each at its own time
+    assert late.times == sorted(late.times)
+    assert late.times[:2] == [0.0251, 0.0451]
+    assert_same(late, full)
+
+
+@pytest.mark.parametrize(("met", "full"), [(0.1, False), (0.5, True)])
+def test_a_bag_met_after_its_timers_waited_is_as_full_as_they_say(met: float, full: bool) -> None:
+    """The pulse has no point between firing and contact: what is due goes off where the bag is met, as much as it is late."""
+    fire, fill = 0.03, 0.05
+    pulse = points([0.0, 0.12, 0.19], [-100.0, -300.0, 0.0])
+    timers = (Timer(Action.FILL, fire, 1.0 / fill), Timer(Action.FILL, fire + fill, 0.0))
+    solved = Solved(sled(spring(70e3, slack=met, empty=True, timers=timers), pulse=pulse))
+    times = np.linspace(0.0, 0.11, 300)
+    share, past = np.clip((times - fire) / fill, 0.0, 1.0), solved.at("driver.0.deflection", times) - met
+    expected = share * 70e3 * np.maximum(past, 0.0)
+    np.testing.assert_allclose(solved.at("driver.0.force", times), expected, rtol=1e-10, atol=1e-10 * expected.max())
+    assert 0.0 < share[past > 0.0][0] <= 1.0
+    assert (share[past > 0.0] == 1.0).all() == full
+
+
+def test_timers_that_wait_go_off_before_the_end() -> None:
+    timers = (Timer(Action.FILL, 0.02, 1.0 / 0.02), Timer(Action.FILL, 0.04, 0.0))
+    solved = Solved(sled(spring(70e3, slack=9.0, empty=True, timers=timers), pulse=constant(100.0), duration=0.05))
+    assert solved.changes == [(-1, 0), (-1, 1)]
+    assert solved.times == [0.02, 0.04]
+
+
 # the reel
 
 
@@ -341,6 +375,32 @@ def test_two_pretensioners_stall_one_after_the_other() -> None:
     assert force.max() == pytest.approx(2500.0, rel=1e-12)
     plateau = np.isclose(force, 1200.0, rtol=1e-12).sum()
     assert plateau > 20
+
+
+def _stalled(until: float, **more: Any) -> Solved:
+    """A belt that its pretensioner pulls tight, to its stall force, and that is then pulled out of it, until the time given."""
+    length = 4.0 * (until - 0.01)
+    law = spring(100e3, stalls=(1000.0, np.inf), timers=_pull(Action.PULL_1, 0.01, until - 0.01, length), **more)
+    return Solved(sled(law, pulse=points([0.0, 0.15, 0.19], [-150.0, -50.0, 0.0])))
+
+
+@pytest.mark.parametrize("before", [1e-6, 1e-4, 3e-4])
+def test_a_pretensioner_that_has_ended_does_not_pull_again(before: float) -> None:
+    """Also where it ends just before the force falls to its stall force: its timer waits, and the guard is there no more."""
+    whole = _stalled(0.18)
+    stalls, pulls_on = [time for change, time in zip(whole.changes, whole.times, strict=True) if change == (1, 6)][:2]
+    early, late = _stalled(stalls + 0.01), _stalled(pulls_on - before)
+    assert [now for _, now in late.changes].count(6) == 1
+    assert pulls_on - before in late.times
+    assert_same(late, early, rtol=1e-8)  # steps differ, and with them what is left out inside them
+
+
+def test_the_end_of_a_pretensioner_that_is_stalled_leaves_a_limiter_slipping() -> None:
+    long, short = _stalled(0.18, limits=(2500.0, np.inf)), _stalled(0.05, limits=(2500.0, np.inf))
+    slips = [time for (_, now), time in zip(short.changes, short.times, strict=True) if now == 4]
+    assert len(slips) == 1
+    assert slips[0] < 0.05
+    assert_same(short, long)
 
 
 def test_random_belts_agree_with_small_steps() -> None:

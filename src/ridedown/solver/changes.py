@@ -1,6 +1,8 @@
 """What changes at the start of a step: modes beyond guards that turned negative, and what is due at that time.
 
-The march pauses wherever something is due: a timer of a restraint, the next piece of the driven body's pulse, the end.
+The march pauses wherever something is due: a timer of a restraint, the next piece of the driven body's pulse, the end. A timer
+that changes nothing before its restraint's mode does (a bag that fires and touches nobody) can wait: the step goes on past it,
+and it goes off late, at the step's end, with the same outcome.
 """
 
 from __future__ import annotations
@@ -18,11 +20,14 @@ TIMER = -1
 
 @kernel
 def change_modes(
-    lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, steps: Floats, d: Floats,
-    law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats,
-    memory: Floats, mode: Ints, log: Table,
+    lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, alarm: Floats,
+    steps: Floats, d: Floats, law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints,
+    line: Floats, guard: Floats, memory: Floats, mode: Ints, log: Table,
 ) -> None:  # fmt: skip
-    """The mode beyond each guard that has turned negative; and where a crash begins, of what already touches and closes in."""
+    """The mode beyond each guard that has turned negative; and where a crash begins, of what already touches and closes in.
+
+    A guard that says when a pretensioner pulls again may not be there any more, where a timer waited: it is read again.
+    """
     for l in range(lanes):
         if steps[l] == 0.0 and crash[l] >= 0:
             for e in range(law.size):
@@ -35,7 +40,8 @@ def change_modes(
         for n in range(pending_count[l]):
             g = pending[row(n) + l]
             e = pair_element[g // 2]
-            if e != changed:
+            stale = alarm[l] <= time[l] and g // 2 >= law.size and g % 2 == 0
+            if e != changed and not stale:
                 changed = e
                 _change(
                     e, g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory,
@@ -63,9 +69,12 @@ def _change(
     here, rate = d[at(e, 0) + l], d[at(e, 1) + l]
     if law[e] == laws.RESTRAINT:
         which = g - 2 * e if g // 2 == e else g - 2 * second_pair[e] + 2
-        after = restraint.change(
+        beyond, after = restraint.change(
             e, l, number, which, here, rate, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode
         )
+        if beyond != after:
+            _note(time, e, before, beyond, log)
+            before = beyond
     else:
         after = laws.next_mode(e, l, number, g % 2 == 1, here, rate, law, piece_start, coefficients, pieces, memory, mode)
         laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
@@ -82,39 +91,58 @@ def keep_time(
 ) -> None:  # fmt: skip
     """What is due at this time: timers, and the next piece of the pulse; and the driven body's acceleration from here on."""
     for l in range(lanes):
-        if crash[l] >= 0 and time[l] >= pause[l]:
+        if crash[l] >= 0 and (time[l] >= pause[l] or alarm[l] < pause[l]):
             number = crash[l]
-            if alarm[l] <= time[l]:
-                alarm[l] = np.inf
-                for t in range(timer_element.size):
-                    if timer[row(t) + l] <= time[l]:
-                        timer[row(t) + l] = np.inf
-                        _fire(
-                            t, l, number, time[l], timer_element[t], timer_action[t], timer_value[t, number], d, piece_start,
-                            coefficients, pieces, second_pair, line, guard, memory, mode, log,
-                        )  # fmt: skip
-                    alarm[l] = min(alarm[l], timer[row(t) + l])
-            pause[l] = min(until[l], alarm[l])
+            while alarm[l] <= time[l]:
+                alarm[l] = _go_off(
+                    l, number, alarm[l], time[l], timer_element, timer_action, timer_value, timer, d, piece_start, coefficients,
+                    pieces, second_pair, line, guard, memory, mode, log,
+                )  # fmt: skip
+            pause[l] = until[l]
             if driven >= 0:
                 if piece[l] < 0:
                     piece[l], amplitude[l], per[l] = 0, pulse_amplitude[number], 1.0 / pulse_length[number]
                 _next_piece(l, time[l], pulse_start, pulse_length[number], origin, piece)
                 if piece[l] + 1 < pulse_start.size:
                     pause[l] = min(pause[l], pulse_start[piece[l] + 1] * pulse_length[number])
+            if pause[l] == until[l]:  # what waits goes off before the end
+                pause[l] = min(until[l], alarm[l])
+            elif alarm[l] < pause[l]:
+                pause[l] = _first_that_does_not_wait(
+                    l, number, pause[l], timer_element, timer_action, timer_value, timer, memory, mode
+                )
     if driven >= 0:
         series.drive(lanes, driven, pulse_series, amplitude, per, piece, origin, time, acc)
 
 
 @part
-def _fire(
-    t, l, number, time, e, action, value, d, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
+def _go_off(
+    l, number, due, time, timer_element, timer_action, timer_value, timer, d, piece_start, coefficients, pieces, second_pair,
+    line, guard, memory, mode, log,
 ):  # fmt: skip
-    """Timer t, of restraint e, goes off in lane l."""
-    restraint.fire(
-        e, l, number, action, value, d[at(e, 0) + l], d[at(e, 1) + l], piece_start, coefficients, pieces, second_pair[e], line,
-        guard, memory, mode,
-    )  # fmt: skip
-    _note(time, e, TIMER, t, log)
+    """The timers of lane l that are due then go off, now; when the next of them does."""
+    following = np.inf
+    for t in range(timer_element.size):
+        if timer[row(t) + l] <= due:
+            timer[row(t) + l] = np.inf
+            e = timer_element[t]
+            restraint.fire(
+                e, l, number, timer_action[t], timer_value[t, number], time - due, d[at(e, 0) + l], d[at(e, 1) + l],
+                piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode,
+            )  # fmt: skip
+            _note(due, e, TIMER, t, log)
+        following = min(following, timer[row(t) + l])
+    return following
+
+
+@part
+def _first_that_does_not_wait(l, number, pause, timer_element, timer_action, timer_value, timer, memory, mode):
+    """When the first timer of lane l goes off that cannot wait until the pause; or the pause."""
+    for t in range(timer_element.size):
+        when = timer[row(t) + l]
+        if when < pause and not restraint.waits(timer_element[t], l, timer_action[t], timer_value[t, number], memory, mode):
+            pause = when
+    return pause
 
 
 @part

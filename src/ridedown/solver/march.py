@@ -126,7 +126,7 @@ def march(
             break
         series.start(lanes, bars, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, turn, d)
         changes.change_modes(
-            lanes, pair_element, pending, pending_count, crash, time, steps, d, law, piece_start, coefficients, pieces,
+            lanes, pair_element, pending, pending_count, crash, time, alarm, steps, d, law, piece_start, coefficients, pieces,
             second_pair, line, guard, memory, mode, log,
         )  # fmt: skip
         if timed:

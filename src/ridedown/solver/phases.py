@@ -133,6 +133,7 @@ def phases_of(network: Network, count: int, kept: Floats, log: Floats, results: 
     n, m = len(network.coordinates), len(network.elements)
     kept = kept[:count]
     changes = log[1 : 1 + int(log[0, 0])]
+    changes = changes[np.argsort(changes[:, 0], kind="stable")]  # timers that waited are noted late
     whole = changes[:, 1:].astype(np.int64)
     phases = Phases(
         start=kept[:, 0, 0],

@@ -82,6 +82,7 @@ KNOT, FORCE, SLOPE = range(3)
 
 _NEVER = 1e300
 _ROUND_OFF = 1e-14  # m: of an elongation
+_CLEARLY = 1e-6  # m/s: a rate that is no round-off
 _JUMP = 1e-7  # what the force may be above the one that something gives at, and count as having come there by itself
 
 
@@ -98,11 +99,16 @@ def enter(
 def change(
     e: int, l: int, crash: int, which: int, d: float, v: float, piece_start: Ints, coefficients: Cube, pieces: Cube, pair: int,
     line: Floats, guard: Floats, memory: Floats, mode: Ints,
-) -> int:  # fmt: skip
-    """Put restraint e of lane l into the mode on the other side of its guard `which` (0 to 3); that mode."""
-    after = _next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memory, mode)
+) -> tuple[int, int]:  # fmt: skip
+    """Put restraint e of lane l into the mode on the other side of its guard `which` (0 to 3).
+
+    That mode, and the one that it is left for at once, which is mostly the same.
+    """
+    before = mode[mode_at(e, NUMBER) + l]
+    beyond = _next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memory, mode)
+    after = _left_for(e, l, crash, before, beyond, which, d, v, piece_start, coefficients, pieces, memory)
     _enter(e, l, crash, after, piece_start, coefficients, pieces, pair, line, guard, memory, mode)
-    return after
+    return beyond, after
 
 
 @inlined
@@ -252,6 +258,31 @@ def _next_mode(e, l, crash, which, d, v, piece_start, coefficients, pieces, memo
     return branch
 
 
+@inlined
+def _left_for(e, l, crash, before, beyond, which, d, v, piece_start, coefficients, pieces, memory):
+    """The mode that the one beyond a guard is left for at once, where the rate alone says so: there is no damper. Or itself.
+
+    A pretensioner is held for no time where the belt is pulled out of it: it stalls. A reel that gives way no more has a belt
+    whose elongation has just stopped growing: it unloads.
+    """
+    if coefficients[DAMPING, e, crash] > 0.0:
+        return beyond
+    first, count = piece_start[e], piece_start[e + 1] - piece_start[e]
+    if count + HELD_1 <= beyond <= count + HELD_2:
+        n = beyond - count - HELD_1
+        if v + _pull(e, l, memory) - memory[memory_at(e, RATE + n) + l] > _CLEARLY:
+            branch = int(memory[memory_at(e, BRANCH) + l])
+            k, e0, f0 = _branch(e, l, crash, branch, first, count, coefficients, pieces, memory)
+            elongation = e0 + (coefficients[STALL + n, e, crash] - f0) / k
+            memory[memory_at(e, REEL) + l] = elongation + coefficients[SLACK, e, crash] - d
+            memory[memory_at(e, STALLED + n) + l] = 1.0
+            return branch
+    elif before > count + CLIPPED and which == 0 and beyond <= count and coefficients[STIFFNESS, e, crash] > 0.0:
+        _unload(e, l, crash, beyond, d, first, coefficients, pieces, memory)
+        return count + UNLOADING
+    return beyond
+
+
 @part
 def _moves_along(e, l, crash, which, d, v, kind, branch, first, count, coefficients, pieces, memory):
     """A belt whose reel gives way goes on to another branch of its curve; or answers that there is none further down."""
@@ -362,13 +393,14 @@ def _given(e, crash, kind, coefficients):
 
 @kernel
 def fire(
-    e: int, l: int, crash: int, action: int, value: float, d: float, v: float, piece_start: Ints, coefficients: Cube,
-    pieces: Cube, pair: int, line: Floats, guard: Floats, memory: Floats, mode: Ints,
+    e: int, l: int, crash: int, action: int, value: float, late: float, d: float, v: float, piece_start: Ints,
+    coefficients: Cube, pieces: Cube, pair: int, line: Floats, guard: Floats, memory: Floats, mode: Ints,
 ) -> None:  # fmt: skip
-    """A timer of restraint e goes off: do what its action says."""
+    """A timer of restraint e goes off, so late [s] if it waited (see `waits`): do what its action says."""
     count = piece_start[e + 1] - piece_start[e]
     now = mode[mode_at(e, NUMBER) + l]
     if action == FILL:
+        line[line_at(e, layout.FILL) + l] += late * (value - line[line_at(e, FILLING) + l])
         line[line_at(e, FILLING) + l] = value
         needs = mode_at(e, NEEDS) + l
         mode[needs] = (mode[needs] & ~(MOVES | PUSHES)) | _needs_of_line(e, l, line)
@@ -378,6 +410,11 @@ def fire(
             return
         memory[memory_at(e, REEL) + l] = min(coefficients[SLACK, e, crash] - d, 0.0)
         now = OPEN
+    n = action - PULL_1
+    if action in (PULL_1, PULL_2) and value == 0.0 and memory[memory_at(e, STALLED + n) + l] > 0.0:
+        memory[memory_at(e, RATE + n) + l] = memory[memory_at(e, STALLED + n) + l] = 0.0
+        if gives_way(e, l, piece_start, mode):  # at a force of its own
+            return
     force = line[line_at(e, F0) + l] + line[line_at(e, K) + l] * (d - line[line_at(e, D0) + l]) + line[line_at(e, C) + l] * v
     if gives_way(e, l, piece_start, mode):
         settle(e, l, crash, d, v, piece_start, coefficients, pieces, memory, mode)
@@ -386,11 +423,25 @@ def fire(
     if action == STAGE_2:
         memory[memory_at(e, STAGE) + l] = max(memory[memory_at(e, STAGE) + l], 1.0)
     elif action in (PULL_1, PULL_2):
-        n = action - PULL_1
         memory[memory_at(e, RATE + n) + l] = value
         stalled = value > 0.0 and force >= coefficients[STALL + n, e, crash]
         memory[memory_at(e, STALLED + n) + l] = 1.0 if stalled else 0.0
     enter(e, l, crash, now, piece_start, coefficients, pieces, pair, line, guard, memory, mode)
+
+
+@inlined
+def waits(e, l, action, value, memory, mode):
+    """Whether a timer of restraint e can go off late: it changes nothing before a guard of the restraint turns negative.
+
+    How full a bag is that touches nothing, the stage of a limiter whose belt is slack, and the end of a pretensioner that pulls
+    in vain.
+    """
+    slack = mode[mode_at(e, NUMBER) + l] == OPEN
+    if action in (FILL, STAGE_2):
+        return slack
+    if action == LOCK or value > 0.0 or slack:
+        return False
+    return memory[memory_at(e, STALLED + action - PULL_1) + l] > 0.0
 
 
 @part
