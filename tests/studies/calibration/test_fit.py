@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from typing import Any
 
@@ -256,6 +257,28 @@ def test_a_posterior_much_wider_than_its_band_is_said():
         said = list(fit._wider(done.parameters, Posterior(names, draws, 0.3, 40.0)))
         assert len(said) == bool(wide)
         assert all(text.startswith(f"The posterior of {', '.join(wide)} is more than twice") for text in said)
+
+
+def test_another_place_that_fits_as_well_is_said_where_the_search_came_by_it():
+    # a crash is the same mirrored: the peak tells how far off centre it is, and not to which side
+    asked = {"outcome": "vehicle1.acceleration.peak", "value": 290.0, "sigma": 2.0}
+    offset = {"name": "offset", "bounds": [-0.7, 0.7], "paths": ["bar.lateral_offset"]}
+    search = {"effort": "quick"}
+    done = calibrate({"cases": [{"scenario": "p1", "targets": [asked]}], "parameters": [offset], "search": search})
+    (p,) = done.parameters
+    assert p.high - p.low < 0.1
+    (said,) = [word for word in done.warnings if word.startswith("The search came by")]
+    low, high = (float(word) for word in re.findall(r"(\S+) mm", said.replace("\u2212", "-")))
+    assert low == pytest.approx(-high, rel=0.1)
+    assert min(abs(1e-3 * low - p.value), abs(1e-3 * high - p.value)) < 0.5 * (p.high - p.low)
+    one_side = calibrate(
+        {"cases": [{"scenario": "p1", "targets": [asked]}], "parameters": [offset | {"bounds": [0.0, 0.7]}], "search": search}
+    )
+    assert not any(word.startswith("The search came by") for word in one_side.warnings)
+
+
+def test_nothing_of_the_kind_is_said_of_bands_that_hold():
+    assert not any(word.startswith("The search came by") for word in calibrate(spec(record(TRUE, noise=10.0))).warnings)
 
 
 def test_a_record_that_is_not_there_is_said_with_its_case():

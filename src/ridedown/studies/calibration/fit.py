@@ -19,6 +19,7 @@ from ridedown.studies.calibration.file import Calibration, Search, load_calibrat
 from ridedown.studies.calibration.fitted import Calibrated, FittedChannel, FittedNumber, FittedParameter
 from ridedown.studies.calibration.identifiability import Candidate, confounded
 from ridedown.studies.calibration.least_squares import STEP, jacobian, least_squares
+from ridedown.studies.calibration.likelihood import Likelihood
 from ridedown.studies.calibration.posterior import Posterior, sample
 from ridedown.studies.calibration.problem import EXPECTED_MISFIT, Problem, ResolvedCase, known_channels
 from ridedown.studies.calibration.sampling import Samples
@@ -40,7 +41,8 @@ EFFORTS = {
 
 _SAME = 1.01  # misfits this near each other are taken for the same place
 _MEASURABLE = ("acceleration", "force", "excursion", "relative_displacement", "displacement", "deflection")
-_WIDER = 2.0  # so many times as wide as its band: a posterior that says another thing than it
+_WIDER = 2.0  # so many times as far as its band: what says another thing than it
+_MOST_LIKELY = 2000  # candidates of the search that are looked at again
 _CANDIDATE_STEPS = 60  # samples of a channel that could be measured, as many independent values
 
 
@@ -245,7 +247,7 @@ def _result(
     warnings = (
         *_warnings(parameters, starts, interrupted=interrupted),
         *_not_met(numbers, several=several),
-        *(_wider(parameters, posterior) if posterior is not None else ()),
+        *(_farther(problem, point, found) if posterior is None else _wider(parameters, posterior)),
     )
     return Calibrated(
         calibration=problem.calibration,
@@ -362,6 +364,31 @@ def _not_met(numbers: Sequence[FittedNumber], *, several: bool) -> list[str]:
         return []
     why = "The model cannot give that within these bounds, or more is asked than is known"
     return [f"Not met: {', '.join(missed)}. {why}: the bands, which rest on the deviations stated, are then too narrow."]
+
+
+def _farther(problem: Problem, point: Floats, found: Uncertainty) -> Iterator[str]:
+    """What is to be said where the search came by candidates far outside the bands that fit as well, as far as noise tells.
+
+    As well: their log-likelihood is less than the best one's by no more than that of a band's end would be.
+    """
+    points, misfits = (np.concatenate(parts) for parts in zip(*problem.candidates, strict=True))
+    likeliest = points[np.argsort(misfits)[:_MOST_LIKELY]]  # those that cannot be come last
+    likelihood = Likelihood.of(problem, point)
+    lost = likelihood(point[None])[0] - likelihood(likeliest)
+    alike = values_of(problem.unknowns, np.concatenate([point[None], likeliest[lost <= 0.5 * found.reach**2]]))
+    half = _WIDER * found.reach * found.deviation
+    low, high = (values_of(problem.unknowns, np.clip(end, 0.0, 1.0)) for end in (point - half, point + half))
+    least, most = alike.min(axis=0), alike.max(axis=0)
+    far = [
+        f"{unknown.name} from {in_words(float(a), unknown.unit)} to {in_words(float(b), unknown.unit)}"
+        for unknown, a, b, outside in zip(problem.unknowns, least, most, (least < low) | (most > high), strict=True)
+        if outside
+    ]
+    if far:
+        yield (
+            f"The search came by candidates that fit as well, as far as noise tells, with {', '.join(far)}: bands are of the "
+            "place where it ended. Sample the posterior (posterior = true)."
+        )
 
 
 def _wider(parameters: Sequence[FittedParameter], posterior: Posterior) -> Iterator[str]:

@@ -1,8 +1,6 @@
 """The posterior of the parameters by Markov chains, where bands from derivatives are not trusted.
 
-The likelihood is that of independent normal values, as many in a channel as its residuals are worth (see `uncertainty`), with
-the standard deviation that the fit leaves; even priors within the bounds on the scales of the search, and the file's own
-priors.
+What is drawn from is `likelihood.Likelihood`, within the bounds.
 
 References: D. Foreman-Mackey, D. Hogg, D. Lang, J. Goodman, emcee: the MCMC hammer, PASP 125, 2013.
 """
@@ -17,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
+from ridedown.studies.calibration.likelihood import Likelihood
 from ridedown.studies.calibration.problem import Problem
-from ridedown.studies.calibration.targets import ChannelTarget, Evaluation
-from ridedown.studies.calibration.uncertainty import Uncertainty, noise_of
+from ridedown.studies.calibration.uncertainty import Uncertainty
 from ridedown.studies.calibration.unknowns import values_of
 
 Floats = NDArray[np.float64]
@@ -66,13 +64,13 @@ def sample(
     n = point.size
     walkers = max(2 * n + 2, _LEAST_WALKERS)
     rng = np.random.default_rng(seed)
-    noise = _noise(problem, point)
+    likelihood = Likelihood.of(problem, point)
 
     def log_density(points: Floats) -> Floats:
         inside = ((points >= 0.0) & (points <= 1.0)).all(axis=1)
         density = np.full(len(points), -np.inf)
         if inside.any():
-            density[inside] = _log_likelihood(problem, points[inside], noise)
+            density[inside] = likelihood(points[inside])
         return density
 
     spread = np.linalg.cholesky(found.within_box + 1e-12 * np.eye(n))
@@ -90,36 +88,3 @@ def sample(
         float(np.mean(sampler.acceptance_fraction)),
         tau,
     )
-
-
-def _noise(problem: Problem, point: Floats) -> dict[tuple[str, str], float]:
-    """What the squares of a channel's errors are divided by: its variance, and how many samples make an independent value."""
-    found = {}
-    for case in problem.cases:
-        evaluation = case.evaluate(values_of(problem.unknowns, point[None]))
-        for target in case.channels:
-            thinned = _errors(target, evaluation)[0, :: target.thinning]
-            noise = noise_of(thinned, np.zeros((thinned.size, 0)))
-            tied = target.thinning * max((1.0 + noise.phi) / (1.0 - noise.phi), 1.0)
-            found[case.name, target.name] = max(noise.deviation**2, 1e-300) * tied
-    return found
-
-
-def _errors(target: ChannelTarget, evaluation: Evaluation) -> Floats:
-    assert target.measured is not None, "checked when the file was read"
-    return evaluation.channels[target.name] - target.measured
-
-
-def _log_likelihood(problem: Problem, points: Floats, noise: dict[tuple[str, str], float]) -> Floats:
-    values = values_of(problem.unknowns, points)
-    total = np.zeros(len(points))
-    for case in problem.cases:
-        evaluation = case.evaluate(values)
-        for target in case.channels:
-            total += (_errors(target, evaluation) ** 2).sum(axis=1) / noise[case.name, target.name]
-        for number in case.numbers:
-            total += (number.residuals(evaluation.outcomes[number.name]) ** 2).sum(axis=1)
-    for i, unknown in enumerate(problem.unknowns):
-        if unknown.prior is not None:
-            total += ((values[:, i] - unknown.prior[0]) / unknown.prior[1]) ** 2
-    return np.where(np.isnan(total), -np.inf, -0.5 * total)

@@ -106,13 +106,17 @@ def _possible(scenario: Scenario, table: Mapping[str, Floats], rows: NDArray[np.
 
 @dataclass(eq=False)
 class Problem:
-    """Cases, predictions and unknowns of a calibration. `tried` counts candidates, `best` is the best point seen so far."""
+    """Cases, predictions and unknowns of a calibration. `tried` counts candidates, `best` is the best point seen so far.
+
+    candidates: all that were tried, points (R, n) and their misfits (R,), batch by batch.
+    """
 
     calibration: Calibration
     unknowns: tuple[Unknown, ...]
     cases: tuple[ResolvedCase, ...]
     predictions: tuple[ResolvedCase, ...]
     tried: int = 0
+    candidates: list[tuple[Floats, Floats]] = field(default_factory=list)
     best: Floats | None = None
     best_value: float = np.inf
     on_try: Callable[[], None] = field(default=lambda: None)
@@ -162,6 +166,7 @@ class Problem:
     def _remember(self, points: Floats, found: Floats) -> None:
         self.tried += len(points)
         total = (found**2).sum(axis=1)
+        self.candidates.append((points.copy(), total))
         if not np.isnan(total).all():
             row = int(np.nanargmin(total))
             if total[row] < self.best_value:
