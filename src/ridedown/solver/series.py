@@ -10,8 +10,6 @@ of the elements, tan, sec2, turn (theta') and moment of the bars.
 
 from __future__ import annotations
 
-from math import comb
-
 import numpy as np
 
 from ridedown.compiled import inlined, kernel, part
@@ -50,10 +48,6 @@ _TANGENT = np.array(
     [1, 1 / 3, 2 / 15, 17 / 315, 62 / 2835, 1382 / 155925, 21844 / 6081075, 929569 / 638512875, 6404582 / 10854718875]
 )
 """Coefficients of tan x = x + x^3 / 3 + ...: Abramowitz and Stegun (1964), 4.3.67."""
-
-
-_BINOMIAL = np.array([[float(comb(k, j)) for j in range(DEGREE)] for k in range(DEGREE)])
-"""[k, j]: k over j."""
 
 
 @part
@@ -239,11 +233,11 @@ def drive(lanes, driven, shape, amplitude, per, piece, origin, time, acc):
             factor *= longer
         if lanes_of(since > 0.0) == 0:  # at the start of a piece
             continue
-        for j in range(orders - 1):  # sum over k of (k over j) c_k since^(k - j), by Horner's rule, each order in turn
-            total = _BINOMIAL[orders - 1, j] * load(acc, at(driven, orders - 1) + l)
-            for k in range(orders - 2, j - 1, -1):
-                total = total * since + _BINOMIAL[k, j] * load(acc, at(driven, k) + l)
-            store(acc, at(driven, j) + l, total)
+        for first in range(orders - 1):  # Horner's rule, once an order: the next begins before this one has ended
+            lower = load(acc, at(driven, orders - 1) + l)
+            for k in range(orders - 2, first - 1, -1):
+                lower = load(acc, at(driven, k) + l) + since * lower
+                store(acc, at(driven, k) + l, lower)
 
 
 @part
