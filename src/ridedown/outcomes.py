@@ -214,8 +214,7 @@ def _value(name: str, plan: Wanted, network: Network, solved: Solved) -> Floats:
     key = _tracked_key(name)
     if key is not None:
         source = solved.best_time if name.endswith("_time") else solved.best
-        extreme: Floats = source[plan.tracked_names.index(key)]
-        return extreme
+        return source[plan.tracked_names.index(key)]
     if name == "energy.initial":
         return kinetic_energy(network, network.rate)
     if name == "energy.final":
@@ -223,19 +222,21 @@ def _value(name: str, plan: Wanted, network: Network, solved: Solved) -> Floats:
     stem, kind = name.rsplit(".", 1)
     if kind == "final":
         state = {Family.POSITION: solved.position, Family.RATE: solved.rate}
-        total: Floats = sum(weight * state[family][index] for family, index, weight in plan.channels[stem].terms)
+        terms = plan.channels[stem].terms
+        total: Floats = np.sum([weight * state[family][index] for family, index, weight in terms], axis=0)
         return total
     if kind == "change":
-        change: Floats = sum(weight * (solved.rate - network.rate)[index] for _, index, weight in plan.channels[stem].terms)
+        change: Floats = sum(
+            weight * (solved.rate[index] - network.rate[index]) for _, index, weight in plan.channels[stem].terms
+        )
         return change
     element = network.elements.index(stem)
-    kept = {"absorbed": solved.work, "residual": np.maximum(solved.set, 0.0), "paid_out": solved.payout}
-    column: Floats = kept[kind][element]
-    return column
+    column: Floats = {"absorbed": solved.work, "residual": solved.set, "paid_out": solved.payout}[kind][element]
+    return np.maximum(column, 0.0) if kind == "residual" else column
 
 
-def kinetic_energy(network: Network, rate: Floats) -> Floats:
-    """Kinetic energy of all bodies and bars at these rates of the coordinates (n, R), shape (R,) [J]."""
-    absolute = np.array([rate[network.chain(i)].sum(axis=0) for i in range(len(network.coordinates))])
+def kinetic_energy(network: Network, rate: Sequence[Floats] | Floats) -> Floats:
+    """Kinetic energy of all bodies and bars at these rates of the coordinates, n columns (R,), shape (R,) [J]."""
+    absolute = np.array([np.sum([rate[link] for link in network.chain(i)], axis=0) for i in range(len(network.coordinates))])
     energy: Floats = 0.5 * (network.inertia * absolute**2).sum(axis=0)
     return energy

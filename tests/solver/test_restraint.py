@@ -52,8 +52,8 @@ def test_many_at_once_are_the_same_as_one() -> None:
     assert (solved.stop == Stop.COMPLETED).all()
     for row in (0, 70, 149):
         alone = Solved(sled(_everything(float(slack[row]))))
-        assert solved.best[0, row] == pytest.approx(alone.largest("driver.0.force")[0], rel=1e-12)
-        assert solved.payout[0, row] == pytest.approx(alone.phases.payout[0], rel=1e-10, abs=1e-15)
+        assert solved.best[0][row] == pytest.approx(alone.largest("driver.0.force")[0], rel=1e-12)
+        assert solved.payout[0][row] == pytest.approx(alone.phases.payout[0], rel=1e-10, abs=1e-15)
 
 
 def test_restraints_side_by_side_move_a_mass_as_each_by_itself() -> None:
@@ -114,7 +114,7 @@ def test_a_deflection_of_any_weight_is_the_same_with_others_beside(weight: float
     wanted = [(channels(network)["driver.acceleration"], 0), (channels(network)["driver.excursion"], 1)]
     phases, _ = solve_one(network)
     for work in (False, True):
-        best = solve_many(network, tracked(wanted), work=work).best[:, 0]
+        best = [column[0] for column in solve_many(network, tracked(wanted), work=work).best]
         for (channel, sense), value in zip(wanted, best, strict=True):
             assert value == pytest.approx(abs(phases.largest(phases.series(channel), sense)[0]), rel=1e-11)
 

@@ -34,22 +34,26 @@ _NOTHING = workspace.Tracked(
 )
 
 
+Columns = Floats | list[Floats]
+"""A table, or its rows one by one: where crashes are solved in parts, one number may stand for all of a row."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Solved:
-    """What is kept of many crashes; the last axis is the crash (see `workspace.Results`)."""
+    """What is kept of many crashes (see `workspace.Results`): columns, or tables of them; the last axis is the crash."""
 
     stop: Ints
     time: Floats
     steps: Ints
-    position: Floats
-    rate: Floats
-    set: Floats
-    reel: Floats
-    payout: Floats
-    work: Floats
-    best: Floats
-    best_time: Floats
-    samples: Floats
+    position: Columns
+    rate: Columns
+    set: Columns
+    reel: Columns
+    payout: Columns
+    work: Columns
+    best: Columns
+    best_time: Columns
+    samples: Columns
 
 
 def tracked(
@@ -115,35 +119,57 @@ def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, 
     phases, stop = solve_one(network_of(network, parts.vehicles))
     if stop != Stop.COMPLETED:
         return None
-    solved = Solved(*workspace.results_for(network, quantities))
-    solved.stop[:] = Stop.COMPLETED
-    solved.time[:] = phases.end
+    solved = _unsolved(network, quantities)
     for part, own_network in (
         *((part, network_of(network, part, phases)) for part in parts.occupants),
         (parts.alike, network_of(network, parts.alike)),
     ):
         own = _solve_whole(own_network, tracked_of(network, quantities, part), work=work, threads=threads)
         _put(solved, part, own, quantities.sense)
-        np.copyto(solved.stop, own.stop, where=own.stop != Stop.COMPLETED)
-        solved.steps[:] += own.steps
     unfinished = np.flatnonzero(solved.stop != Stop.COMPLETED)
     if unfinished.size:  # these are wanted as far as they came, vehicles and all
         whole = _solve_whole(network.rows(unfinished), quantities, work=work, threads=threads)
-        for field in fields(Solved):
-            getattr(solved, field.name)[..., unfinished] = getattr(whole, field.name)
+        _replace(solved, unfinished, whole)
     return solved
 
 
+def _unsolved(network: Network, quantities: workspace.Tracked) -> Solved:
+    """Every crash completed, and nothing known yet of what moves in them."""
+    coordinates, elements, count = len(network.coordinates), len(network.elements), quantities.sense.size
+    sampled = int((quantities.sense == SAMPLED).sum())
+    return Solved(
+        np.full(network.size, int(Stop.COMPLETED)),
+        network.duration.copy(),
+        np.zeros(network.size, dtype=np.int64),
+        *([np.zeros(0)] * rows for rows in (*[coordinates] * 2, *[elements] * 4, *[count] * 2, sampled)),
+    )
+
+
 def _put(solved: Solved, part: Part, own: Solved, sense: Ints) -> None:
-    """Put what was solved of a part in its place."""
-    for name in ("position", "rate"):
-        getattr(solved, name)[part.coordinates] = getattr(own, name)
-    for name in ("set", "reel", "payout", "work"):
-        getattr(solved, name)[part.elements] = getattr(own, name)
-    for name in ("best", "best_time"):
-        getattr(solved, name)[part.quantities] = getattr(own, name)
-    number = np.cumsum(sense == SAMPLED) - 1  # of each sampled quantity among them
-    solved.samples[number[part.quantities][sense[part.quantities] == SAMPLED]] = own.samples
+    """Put what was solved of a part in its place: its own columns, or one number for all crashes."""
+    is_sample = sense == SAMPLED
+    number = np.cumsum(is_sample) - 1  # of each sampled quantity among them
+    places = dict.fromkeys(("position", "rate"), part.coordinates)
+    places |= dict.fromkeys(("set", "reel", "payout", "work"), part.elements)
+    places |= dict.fromkeys(("best", "best_time"), part.quantities)
+    places["samples"] = number[part.quantities][is_sample[part.quantities]]
+    for name, numbers in places.items():
+        for place, column in zip(numbers.tolist(), getattr(own, name), strict=True):
+            getattr(solved, name)[place] = np.broadcast_to(column, (*column.shape[:-1], solved.stop.size))
+    np.copyto(solved.stop, own.stop, where=own.stop != Stop.COMPLETED)
+    solved.steps[:] += own.steps
+
+
+def _replace(solved: Solved, rows: Ints, others: Solved) -> None:
+    """Put other solutions in the place of those rows."""
+    for field in fields(Solved):
+        mine, theirs = getattr(solved, field.name), getattr(others, field.name)
+        if isinstance(mine, list):
+            for n, column in enumerate(theirs):
+                mine[n] = mine[n].copy()
+                mine[n][..., rows] = column
+        else:
+            mine[rows] = theirs
 
 
 def solve_one(network: Network) -> tuple[Phases, Stop]:
