@@ -126,6 +126,7 @@ class Builder:
             piece_start=np.cumsum([0, *(len(c.knots) if c else 0 for c in curves)], dtype=np.int64),
             driven=self._driven,
             pulse_start=pulse.start,
+            pulse_end=np.append(pulse.start[1:], np.inf),
             pulse_series=pulse.series,
             free=np.array([law.free for law in restraints], dtype=np.bool_),
             empty=np.array([law.empty for law in restraints], dtype=np.bool_),

@@ -187,6 +187,7 @@ class Network:
     piece_start: Ints  # (m + 1,) curve pieces of element e
     driven: int  # coordinate with a prescribed acceleration, -1 = none
     pulse_start: Floats  # (P,) its pieces (see `Pulse`)
+    pulse_end: Floats  # (P,) up to when each may be used: beyond the start of the next, where they overlap
     pulse_series: Floats  # (P, D)
     free: NDArray[np.bool_]  # (m,) restraints whose reel is free at first
     empty: NDArray[np.bool_]  # (m,) restraints whose fill is 0 at first

@@ -246,12 +246,19 @@ def _driven(smaller: Network, network: Network, part: Part, phases: Phases) -> N
     """The occupants' vehicle, first of their coordinates, follows the acceleration that was solved for."""
     vehicle = int(_moved_together(network)[: part.coordinates[0]].sum())
     orders = np.arange(2, phases.position.shape[1])
-    start, series = merged(phases, phases.position[:, 2:, vehicle] * (orders * (orders - 1)))
+    start, end, series = merged(phases, phases.position[:, 2:, vehicle] * (orders * (orders - 1)))
     inertia = smaller.inertia.copy()
     inertia[0] = 0.0
     one = np.ones(smaller.size)
     return replace(
-        smaller, driven=0, pulse_start=start, pulse_series=series, pulse_amplitude=one, pulse_length=one, inertia=inertia
+        smaller,
+        driven=0,
+        pulse_start=start,
+        pulse_end=end,
+        pulse_series=series,
+        pulse_amplitude=one,
+        pulse_length=one,
+        inertia=inertia,
     )
 
 

@@ -2,7 +2,8 @@
 
 The march pauses wherever something is due: a timer of a restraint, the next piece of the driven body's pulse, the end. A timer
 that changes nothing before its restraint's mode does (a bag that fires and touches nobody) can wait: the step goes on past it,
-and it goes off late, at the step's end, with the same outcome.
+and it goes off late, at the step's end, with the same outcome. Where pieces of the pulse overlap, the first step that starts
+within the next one takes it.
 """
 
 from __future__ import annotations
@@ -84,33 +85,35 @@ def _change(
 @kernel
 def keep_time(
     lanes: int, driven: int, timer_element: Ints, timer_action: Ints, timer_value: Table, pulse_start: Floats,
-    pulse_series: Table, pulse_amplitude: Floats, pulse_length: Floats, crash: Ints, until: Floats, pause: Floats, time: Floats,
-    timer: Floats, alarm: Floats, amplitude: Floats, per: Floats, origin: Floats, piece: Ints, d: Floats, acc: Floats,
-    piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats, guard: Floats, memory: Floats,
-    mode: Ints, log: Table,
+    pulse_end: Floats, pulse_series: Table, pulse_amplitude: Floats, pulse_length: Floats, crash: Ints, until: Floats,
+    due: Floats, pause: Floats, time: Floats, timer: Floats, alarm: Floats, amplitude: Floats, per: Floats, origin: Floats,
+    piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats,
+    guard: Floats, memory: Floats, mode: Ints, log: Table,
 ) -> None:  # fmt: skip
     """What is due at this time: timers, and the next piece of the pulse; and the driven body's acceleration from here on."""
     for l in range(lanes):
-        if crash[l] >= 0 and (time[l] >= pause[l] or alarm[l] < pause[l]):
+        if crash[l] >= 0 and (time[l] >= due[l] or alarm[l] < pause[l]):
             number = crash[l]
             while alarm[l] <= time[l]:
                 alarm[l] = _go_off(
                     l, number, alarm[l], time[l], timer_element, timer_action, timer_value, timer, d, piece_start, coefficients,
                     pieces, second_pair, line, guard, memory, mode, log,
                 )  # fmt: skip
-            pause[l] = until[l]
+            due[l] = pause[l] = until[l]
             if driven >= 0:
                 if piece[l] < 0:
                     piece[l], amplitude[l], per[l] = 0, pulse_amplitude[number], 1.0 / pulse_length[number]
                 _next_piece(l, time[l], pulse_start, pulse_length[number], origin, piece)
                 if piece[l] + 1 < pulse_start.size:
-                    pause[l] = min(pause[l], pulse_start[piece[l] + 1] * pulse_length[number])
+                    due[l] = min(due[l], pulse_start[piece[l] + 1] * pulse_length[number])
+                pause[l] = min(pause[l], pulse_end[piece[l]] * pulse_length[number])
             if pause[l] == until[l]:  # what waits goes off before the end
                 pause[l] = min(until[l], alarm[l])
             elif alarm[l] < pause[l]:
                 pause[l] = _first_that_does_not_wait(
                     l, number, pause[l], timer_element, timer_action, timer_value, timer, memory, mode
                 )
+            due[l] = min(due[l], pause[l])
     if driven >= 0:
         series.drive(lanes, driven, pulse_series, amplitude, per, piece, origin, time, acc)
 

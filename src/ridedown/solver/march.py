@@ -89,9 +89,10 @@ def march(
     piece_start, coefficients, pieces, duration = s.piece_start, x.coefficients, x.pieces, x.duration
     pair_element, second_pair, empty, quiet = s.pair_element, s.second_pair, s.empty, s.quiet
     timer_element, timer_action, timer_value = s.timer_element, s.timer_action, x.timer_value
-    driven, pulse_start, pulse_series, pulse_length = s.driven, s.pulse_start, s.pulse_series, x.pulse_length
+    driven, pulse_length = s.driven, x.pulse_length
+    pulse_start, pulse_end, pulse_series = s.pulse_start, s.pulse_end, s.pulse_series
     crash, until, time, step, power, bend, rests = w.crash, w.until, w.time, w.step, w.power, w.bend, w.rests
-    pause, timer, alarm = w.pause, w.timer, w.alarm
+    due, pause, timer, alarm = w.due, w.pause, w.timer, w.alarm
     amplitude, per, origin, piece = w.amplitude, w.per, w.origin, w.piece
     last, steps, idle = w.last, w.steps, w.idle
     q, acc, d, f = w.q, w.acc, w.d, w.f
@@ -118,9 +119,9 @@ def march(
     while True:
         if active < places and more:
             active, more = _take(
-                queue, active, places, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps,
-                idle, q, inverse_inertia, scale, arm, timer, alarm, piece, sampled, law, piece_start, coefficients, pieces,
-                second_pair, free, empty, line, guard, memory, mode, work, tracked_sense.size, extreme,
+                queue, active, places, inertia, rate, arms, duration, timer_time, timed, crash, until, due, pause, time, last,
+                steps, idle, q, inverse_inertia, scale, arm, timer, alarm, piece, sampled, law, piece_start, coefficients,
+                pieces, second_pair, free, empty, line, guard, memory, mode, work, tracked_sense.size, extreme,
             )  # fmt: skip
         if active == 0:
             break
@@ -131,8 +132,8 @@ def march(
         )  # fmt: skip
         if timed:
             changes.keep_time(
-                lanes, driven, timer_element, timer_action, timer_value, pulse_start, pulse_series, pulse_amplitude,
-                pulse_length, crash, until, pause, time, timer, alarm, amplitude, per, origin, piece, d, acc, piece_start,
+                lanes, driven, timer_element, timer_action, timer_value, pulse_start, pulse_end, pulse_series, pulse_amplitude,
+                pulse_length, crash, until, due, pause, time, timer, alarm, amplitude, per, origin, piece, d, acc, piece_start,
                 coefficients, pieces, second_pair, line, guard, memory, mode, log,
             )  # fmt: skip
 
@@ -146,8 +147,9 @@ def march(
         )  # fmt: skip
 
         stepping.choose_steps(
-            lanes, parent.size, bars.size, tolerance, until, pause, time, scale, idle, trial, acc, tan, step, last, power
-        )
+            lanes, driven, parent.size, bars.size, tolerance, until, pause, time, scale, idle, trial, acc, tan, step, last,
+            power,
+        )  # fmt: skip
         if restrained:
             stepping.bends(lanes, parent.size, watched, q, tan, step, power, bend)
         events.find(
@@ -192,10 +194,10 @@ def march(
 @kernel
 def _take(
     queue: Ints, active: int, places: int, inertia: Table, rate: Table, arms: Table, duration: Floats, timer_time: Table,
-    timed: bool, crash: Ints, until: Floats, pause: Floats, time: Floats, last: Floats, steps: Floats, idle: Floats, q: Floats,
-    inverse_inertia: Floats, scale: Floats, arm: Floats, timer: Floats, alarm: Floats, piece: Ints, sampled: Ints,
-    law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, free: Ints, empty: Ints, line: Floats,
-    guard: Floats, memory: Floats, mode: Ints, work: Floats, tracked: int, extreme: Floats,
+    timed: bool, crash: Ints, until: Floats, due: Floats, pause: Floats, time: Floats, last: Floats, steps: Floats,
+    idle: Floats, q: Floats, inverse_inertia: Floats, scale: Floats, arm: Floats, timer: Floats, alarm: Floats, piece: Ints,
+    sampled: Ints, law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, free: Ints, empty: Ints,
+    line: Floats, guard: Floats, memory: Floats, mode: Ints, work: Floats, tracked: int, extreme: Floats,
 ) -> tuple[int, bool]:  # fmt: skip
     """Put the next crashes into the lanes that have none. How many have one now, and whether there may be more to take.
 
@@ -213,8 +215,8 @@ def _take(
             if number >= duration.size:
                 return active, False
             _load(
-                l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
-                inverse_inertia, scale, arm, timer, alarm, piece, sampled,
+                l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, due, pause, time, last, steps, idle,
+                q, inverse_inertia, scale, arm, timer, alarm, piece, sampled,
             )  # fmt: skip
             _open(
                 l, number, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work,
@@ -235,13 +237,14 @@ def _in_use(block, end, crash):
 
 @part
 def _load(
-    l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, pause, time, last, steps, idle, q,
+    l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, due, pause, time, last, steps, idle, q,
     inverse_inertia, scale, arm, timer, alarm, piece, sampled,
 ):  # fmt: skip
     """Put a crash into lane l, at its start."""
     crash[l] = number
     until[l] = duration[number]
-    pause[l] = 0.0 if timed else until[l]
+    due[l] = 0.0 if timed else until[l]
+    pause[l] = until[l]
     piece[l] = -1
     sampled[l] = 0
     for t in range(timer_time.shape[0]):

@@ -42,12 +42,17 @@ _BRAKING = np.log2(BRAKING_TIME)
 
 
 @part
-def choose_steps(lanes, coordinates, bars, tolerance, until, pause, time, scale, idle, trial, acc, tan, step, last, power):
+def choose_steps(
+    lanes, driven, coordinates, bars, tolerance, until, pause, time, scale, idle, trial, acc, tan, step, last, power
+):  # fmt: skip
     """The length of each lane's step, from its last acceleration coefficients, and no further than the next pause.
 
     If they fall off as scale / r^n, the step is the same fraction of r whichever of them is looked at. Four are: in a motion
     from rest, or one that is even in time, every second or three in four are zero. The tangents are looked at too: under
     constant forces they alone go on for ever.
+
+    Nothing is left out of a driven body's acceleration. What follows from it in those of others does so two orders later, or
+    one: of its last two orders some is left out there, and so they count.
 
     What is left out of an acceleration counts as long as the step is: of one longer than a crash takes to brake, less may be.
     """
@@ -61,7 +66,8 @@ def choose_steps(lanes, coordinates, bars, tolerance, until, pause, time, scale,
                 total += abs(load(tan, at(b, j) + block))
             total *= j * (j - 1.0)
             for i in range(coordinates):
-                total += abs(load(acc, at(i, j - 2) + block))
+                if i != driven or j > DEGREE - 2:
+                    total += abs(load(acc, at(i, j - 2) + block))
             coefficient = total / load(scale, block)
             finite &= coefficient < np.inf
             steepest = max(steepest, _logarithm(max(coefficient, _TINY)) * (1.0 / (j - 2)))

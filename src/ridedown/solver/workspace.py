@@ -66,6 +66,7 @@ class Structure(NamedTuple):
     timer_action: Ints
     driven: int  # coordinate with a prescribed acceleration, -1 = none
     pulse_start: Floats
+    pulse_end: Floats
     pulse_series: Table
     tracked_start: Ints  # (k + 1,) terms of each tracked quantity
     tracked_family: Ints  # of each term: a Family
@@ -96,7 +97,8 @@ class Lanes(NamedTuple):
     # which crash, and where it is: one row each
     crash: Ints  # its number, -1 = none
     until: Floats  # its duration; 0 where there is none
-    pause: Floats  # the next time to stop at: a timer, the pulse's next piece, or the end
+    due: Floats  # the next time at which something is: a timer, the pulse's next piece, or the end
+    pause: Floats  # the next time to stop at: the same, but that a piece of the pulse may be used beyond the next one's start
     timer: Floats  # rows by timer: when it goes off, infinite once it has
     alarm: Floats  # when the next of them does
     amplitude: Floats  # what the pulse's shape is multiplied by
@@ -206,6 +208,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
     return Lanes(
         crash=whole(1),
         until=floats(1),
+        due=floats(1),
         pause=floats(1),
         timer=floats(network.timer_element.size),
         alarm=floats(1),
@@ -337,6 +340,7 @@ def structure_of(network: Network, tracked: Tracked, *, each: bool = False) -> S
         timer_action=network.timer_action,
         driven=network.driven,
         pulse_start=np.ascontiguousarray(network.pulse_start),
+        pulse_end=np.ascontiguousarray(network.pulse_end),
         pulse_series=np.ascontiguousarray(network.pulse_series),
         tracked_start=tracked.start,
         tracked_family=tracked.family,
