@@ -13,7 +13,7 @@ import numpy as np
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import laws, restraint, series
-from ridedown.solver.layout import DEGREE, GD0, NUMBER, Cube, Table, at, guard_at, mode_at, row
+from ridedown.solver.layout import DEGREE, GD0, NUMBER, Table, at, guard_at, mode_at, of_crash, row
 
 TIMER = -1
 """What the log has for the mode before, where a timer went off; after it, the timer's number."""
@@ -22,7 +22,7 @@ TIMER = -1
 @kernel
 def change_modes(
     lanes: int, pair_element: Ints, pending: Ints, pending_count: Ints, crash: Ints, time: Floats, alarm: Floats,
-    steps: Floats, d: Floats, law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints,
+    steps: Floats, d: Floats, law: Ints, piece_start: Ints, coefficients: Floats, pieces: Floats, second_pair: Ints,
     line: Floats, guard: Floats, memory: Floats, mode: Ints, log: Table,
 ) -> None:  # fmt: skip
     """The mode beyond each guard that has turned negative; and where a crash begins, of what already touches and closes in.
@@ -34,7 +34,7 @@ def change_modes(
             for e in range(law.size):
                 if law[e] != laws.LINEAR and mode[mode_at(e, NUMBER) + l] == laws.OPEN and _closes_in(e, l, d, guard):
                     _change(
-                        e, 2 * e, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard,
+                        e, 2 * e, l, time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard,
                         memory, mode, log,
                     )  # fmt: skip
         changed = -1
@@ -45,7 +45,7 @@ def change_modes(
             if e != changed and not stale:
                 changed = e
                 _change(
-                    e, g, l, crash[l], time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory,
+                    e, g, l, time[l], d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory,
                     mode, log,
                 )  # fmt: skip
         pending_count[l] = 0
@@ -63,7 +63,7 @@ def _closes_in(e, l, d, guard):
 
 @inlined
 def _change(
-    e, g, l, number, time, d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
+    e, g, l, time, d, law, piece_start, coefficients, pieces, second_pair, line, guard, memory, mode, log
 ):  # fmt: skip
     """Guard g, of element e, has turned negative in lane l: into the mode on its other side, and note the event down."""
     before = mode[mode_at(e, NUMBER) + l]
@@ -71,14 +71,14 @@ def _change(
     if law[e] == laws.RESTRAINT:
         which = g - 2 * e if g // 2 == e else g - 2 * second_pair[e] + 2
         beyond, after = restraint.change(
-            e, l, number, which, here, rate, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode
+            e, l, which, here, rate, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode
         )
         if beyond != after:
             _note(time, e, before, beyond, log)
             before = beyond
     else:
-        after = laws.next_mode(e, l, number, g % 2 == 1, here, rate, law, piece_start, coefficients, pieces, memory, mode)
-        laws.enter(e, l, number, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+        after = laws.next_mode(e, l, g % 2 == 1, here, rate, law, piece_start, coefficients, pieces, memory, mode)
+        laws.enter(e, l, after, law, piece_start, coefficients, pieces, line, guard, memory, mode)
     _note(time, e, before, after, log)
 
 
@@ -87,8 +87,8 @@ def keep_time(
     lanes: int, driven: int, timer_element: Ints, timer_action: Ints, timer_value: Table, pulse_start: Floats,
     pulse_end: Floats, pulse_series: Table, pulse_amplitude: Floats, pulse_length: Floats, crash: Ints, until: Floats,
     due: Floats, pause: Floats, time: Floats, timer: Floats, alarm: Floats, amplitude: Floats, per: Floats, origin: Floats,
-    piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, line: Floats,
-    guard: Floats, memory: Floats, mode: Ints, log: Table,
+    piece: Ints, d: Floats, acc: Floats, piece_start: Ints, coefficients: Floats, pieces: Floats, second_pair: Ints,
+    line: Floats, guard: Floats, memory: Floats, mode: Ints, log: Table,
 ) -> None:  # fmt: skip
     """What is due at this time: timers, and the next piece of the pulse; and the driven body's acceleration from here on."""
     for l in range(lanes):
@@ -130,7 +130,7 @@ def _go_off(
             timer[row(t) + l] = np.inf
             e = timer_element[t]
             restraint.fire(
-                e, l, number, timer_action[t], timer_value[t, number], time - due, d[at(e, 0) + l], d[at(e, 1) + l],
+                e, l, timer_action[t], of_crash(timer_value, t, number), time - due, d[at(e, 0) + l], d[at(e, 1) + l],
                 piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode,
             )  # fmt: skip
             _note(due, e, TIMER, t, log)
@@ -143,7 +143,9 @@ def _first_that_does_not_wait(l, number, pause, timer_element, timer_action, tim
     """When the first timer of lane l goes off that cannot wait until the pause; or the pause."""
     for t in range(timer_element.size):
         when = timer[row(t) + l]
-        if when < pause and not restraint.waits(timer_element[t], l, timer_action[t], timer_value[t, number], memory, mode):
+        if when < pause and not restraint.waits(
+            timer_element[t], l, timer_action[t], of_crash(timer_value, t, number), memory, mode
+        ):
             pause = when
     return pause
 
@@ -170,10 +172,10 @@ def _next_piece(l, time, start, length, origin, piece):
 
 
 @part
-def settle(e, l, number, step, d, piece_start, coefficients, pieces, memory, mode):
+def settle(e, l, step, d, piece_start, coefficients, pieces, memory, mode):
     """Where the reel of restraint e of lane l is, at the end of its last step."""
     here, rate = d[at(e, DEGREE) + l], 0.0
     for j in range(DEGREE - 1, -1, -1):
         rate = rate * step + here
         here = here * step + d[at(e, j) + l]
-    restraint.settle(e, l, number, here, rate, piece_start, coefficients, pieces, memory, mode)
+    restraint.settle(e, l, here, rate, piece_start, coefficients, pieces, memory, mode)

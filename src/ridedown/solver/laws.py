@@ -19,8 +19,8 @@ The restraint law has a file of its own, `restraint.py`.
 `v*` is the rate at the instant that the slack is taken up. A plastic curve's set is `d_max - F(d_max) / k_u`, and never counts
 as less than zero: a member pushes only while it is shorter than it was.
 
-Arrays: `coefficients` (3, e, R) stiffness, damping, slack; `pieces` (3, p, R) knot, force, slope; `line`, `guard` and `memory`
-in rows as `layout` says; `mode` in rows, one an element. Guards 2e and 2e + 1 are those of element e.
+Arrays, in rows as `layout` says: `coefficients` are an element's stiffness, damping and slack, `pieces` a piece's knot, force
+and slope; `line`, `guard`, `memory` and `mode`. Guards 2e and 2e + 1 are those of element e.
 """
 
 from __future__ import annotations
@@ -41,10 +41,12 @@ from ridedown.solver.layout import (
     B,
     C,
     K,
+    coefficient_at,
     guard_at,
     line_at,
     memory_at,
     mode_at,
+    piece_at,
 )
 
 LINEAR, KELVIN_VOIGT, THRESHOLD, ELASTIC, PLASTIC, RESTRAINT = (int(law) for law in Law)
@@ -62,15 +64,15 @@ _NEVER = -1e300
 
 
 @inlined
-def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guard, memory, mode):
-    """Put element e of lane l, which carries this crash, into mode `after`: its line of force and its guards."""
+def enter(e, l, after, law, piece_start, coefficients, pieces, line, guard, memory, mode):
+    """Put element e of lane l into mode `after`: its line of force and its guards."""
     k, c, d0, v0, f0 = 0.0, 0.0, 0.0, 0.0, 0.0
     a1, b1, d1, v1 = 1.0, 0.0, _NEVER, 0.0
     a2, b2, d2, v2 = 1.0, 0.0, _NEVER, 0.0
     stiffness, damping, slack = (
-        coefficients[STIFFNESS, e, crash],
-        coefficients[DAMPING, e, crash],
-        coefficients[SLACK, e, crash],
+        coefficients[coefficient_at(e, STIFFNESS) + l],
+        coefficients[coefficient_at(e, DAMPING) + l],
+        coefficients[coefficient_at(e, SLACK) + l],
     )
     if law[e] == LINEAR:
         k, c, d0 = stiffness, damping, slack
@@ -81,13 +83,13 @@ def enter(e, l, crash, after, law, piece_start, coefficients, pieces, line, guar
         if after == OPEN:
             a1, d1 = -1.0, shortest
         elif p < end:
-            k, d0, f0 = pieces[SLOPE, p, crash], pieces[KNOT, p, crash], pieces[FORCE, p, crash]  # eq 9
+            k, d0, f0 = pieces[piece_at(p, SLOPE) + l], pieces[piece_at(p, KNOT) + l], pieces[piece_at(p, FORCE) + l]  # eq 9
             if law[e] == PLASTIC:
                 a1, b1, d1 = 0.0, 1.0, 0.0
             else:
                 d1 = d0
             if p + 1 < end:
-                a2, d2 = -1.0, pieces[KNOT, p + 1, crash]
+                a2, d2 = -1.0, pieces[piece_at(p + 1, KNOT) + l]
         else:
             k, d0 = stiffness, memory[memory_at(e, SET) + l]
             d1 = shortest
@@ -126,7 +128,7 @@ def _guard(g, l, a, b, d0, v0, guard):
 
 
 @inlined
-def next_mode(e, l, crash, second, d, v, law, piece_start, coefficients, pieces, memory, mode):
+def next_mode(e, l, second, d, v, law, piece_start, coefficients, pieces, memory, mode):
     """The mode on the other side of element e's first or second guard; takes down what the law must remember.
 
     d, v: its deflection and rate at the event.
@@ -155,8 +157,8 @@ def next_mode(e, l, crash, second, d, v, law, piece_start, coefficients, pieces,
     if second:
         return now + 1
     p = first + now - 1
-    force = pieces[FORCE, p, crash] + pieces[SLOPE, p, crash] * (d - pieces[KNOT, p, crash])
+    force = pieces[piece_at(p, FORCE) + l] + pieces[piece_at(p, SLOPE) + l] * (d - pieces[piece_at(p, KNOT) + l])
     memory[memory_at(e, LATCH) + l] = d
-    memory[memory_at(e, SET) + l] = d - force / coefficients[STIFFNESS, e, crash]
+    memory[memory_at(e, SET) + l] = d - force / coefficients[coefficient_at(e, STIFFNESS) + l]
     memory[memory_at(e, PIECE) + l] = now
     return unloading

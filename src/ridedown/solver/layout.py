@@ -31,6 +31,9 @@ SPRING, DAMPER, AT_0, AT_1, SPRING_RISE, DAMPER_RISE, AT_2 = range(7)
 place of order 0. Where a bag fills, SPRING_RISE d[j - 1] + DAMPER_RISE j d[j] more from order 2 on, and AT_2 of that order."""
 SUM_ROWS = 7
 
+COEFFICIENT_ROWS, PIECE_ROWS = 9, 3
+"""Rows of an element's coefficients and of a piece of its curve: what they are is up to the law."""
+
 A, B, GD0, GV0, G0, GA, DRIFT = range(7)
 """Rows of a guard: a (d - d0) + b (v - v0); a restraint's has g0 and ga d'' added, and its d0 falls at the rate DRIFT."""
 GUARD_ROWS = 7
@@ -67,6 +70,12 @@ def at(index, order):
 
 
 @inlined
+def of_crash(table, index, crash):
+    """The number of that row and crash, of a table in which one column may stand for all crashes."""
+    return table[index, min(crash, table.shape[1] - 1)]
+
+
+@inlined
 def row(index):
     """Start of the row of that number."""
     return index * STRIDE
@@ -76,6 +85,18 @@ def row(index):
 def line_at(e, part):
     """Start of a row of an element's line of force."""
     return (e * LINE_ROWS + part) * STRIDE
+
+
+@inlined
+def coefficient_at(e, part):
+    """Start of a row of an element's coefficients."""
+    return (e * COEFFICIENT_ROWS + part) * STRIDE
+
+
+@inlined
+def piece_at(p, part):
+    """Start of a row of a piece of a curve."""
+    return (p * PIECE_ROWS + part) * STRIDE
 
 
 @inlined

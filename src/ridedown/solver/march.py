@@ -30,12 +30,12 @@ from ridedown.solver.layout import (
     REEL,
     SET,
     WHEN,
-    Cube,
     Table,
     at,
     extreme_at,
     line_at,
     memory_at,
+    of_crash,
     row,
 )
 from ridedown.solver.vector import (
@@ -86,7 +86,8 @@ def march(
     parent, law, lever, bars, bar_of, arm = s.parent, s.law, s.lever, s.bar_coordinate, s.bar_of, w.arm
     term_start, term_coordinate, term_sign = s.term_start, s.term_coordinate, s.term_sign
     pull_start, pull_element, pull_sign = s.pull_start, s.pull_element, s.pull_sign
-    piece_start, coefficients, pieces, duration = s.piece_start, x.coefficients, x.pieces, x.duration
+    piece_start, coefficients, pieces, duration = s.piece_start, w.coefficients, w.pieces, x.duration
+    varied, varied_row, own = x.varied, x.varied_row, w.own
     pair_element, second_pair, empty, quiet = s.pair_element, s.second_pair, s.empty, s.quiet
     timer_element, timer_action, timer_value = s.timer_element, s.timer_action, x.timer_value
     driven, pulse_length = s.driven, x.pulse_length
@@ -120,8 +121,9 @@ def march(
         if active < places and more:
             active, more = _take(
                 queue, active, places, inertia, rate, arms, duration, timer_time, timed, crash, until, due, pause, time, last,
-                steps, idle, q, inverse_inertia, scale, arm, timer, alarm, piece, sampled, law, piece_start, coefficients,
-                pieces, second_pair, free, empty, line, guard, memory, mode, work, tracked_sense.size, extreme,
+                steps, idle, q, inverse_inertia, scale, arm, timer, alarm, piece, sampled, varied, varied_row, own,
+                law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work,
+                tracked_sense.size, extreme,
             )  # fmt: skip
         if active == 0:
             break
@@ -181,8 +183,8 @@ def march(
                 if crash[l] >= 0:
                     stop = _stop_of(l, until, pause, last, steps, idle, scale, bars, q)
                     _settle(
-                        l, block, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, crash,
-                        step, piece_start, coefficients, pieces, memory, mode,
+                        l, block, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, step,
+                        piece_start, coefficients, pieces, memory, mode,
                     )  # fmt: skip
                     _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
                     crash[l] = NO_CRASH
@@ -196,8 +198,9 @@ def _take(
     queue: Ints, active: int, places: int, inertia: Table, rate: Table, arms: Table, duration: Floats, timer_time: Table,
     timed: bool, crash: Ints, until: Floats, due: Floats, pause: Floats, time: Floats, last: Floats, steps: Floats,
     idle: Floats, q: Floats, inverse_inertia: Floats, scale: Floats, arm: Floats, timer: Floats, alarm: Floats, piece: Ints,
-    sampled: Ints, law: Ints, piece_start: Ints, coefficients: Cube, pieces: Cube, second_pair: Ints, free: Ints, empty: Ints,
-    line: Floats, guard: Floats, memory: Floats, mode: Ints, work: Floats, tracked: int, extreme: Floats,
+    sampled: Ints, varied: Table, varied_row: Ints, own: Floats, law: Ints, piece_start: Ints, coefficients: Floats,
+    pieces: Floats, second_pair: Ints, free: Ints, empty: Ints, line: Floats, guard: Floats, memory: Floats, mode: Ints,
+    work: Floats, tracked: int, extreme: Floats,
 ) -> tuple[int, bool]:  # fmt: skip
     """Put the next crashes into the lanes that have none. How many have one now, and whether there may be more to take.
 
@@ -216,10 +219,10 @@ def _take(
                 return active, False
             _load(
                 l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, due, pause, time, last, steps, idle,
-                q, inverse_inertia, scale, arm, timer, alarm, piece, sampled,
+                q, inverse_inertia, scale, arm, timer, alarm, piece, sampled, varied, varied_row, own,
             )  # fmt: skip
             _open(
-                l, number, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work,
+                l, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work,
                 tracked, extreme,
             )  # fmt: skip
             active += 1
@@ -238,7 +241,7 @@ def _in_use(block, end, crash):
 @part
 def _load(
     l, number, inertia, rate, arms, duration, timer_time, timed, crash, until, due, pause, time, last, steps, idle, q,
-    inverse_inertia, scale, arm, timer, alarm, piece, sampled,
+    inverse_inertia, scale, arm, timer, alarm, piece, sampled, varied, varied_row, own,
 ):  # fmt: skip
     """Put a crash into lane l, at its start."""
     crash[l] = number
@@ -248,7 +251,7 @@ def _load(
     piece[l] = -1
     sampled[l] = 0
     for t in range(timer_time.shape[0]):
-        timer[row(t) + l] = timer_time[t, number]
+        timer[row(t) + l] = of_crash(timer_time, t, number)
     alarm[l] = 0.0 if timer_time.shape[0] > 0 else np.inf
     time[l] = 0.0
     last[l] = NO
@@ -256,19 +259,21 @@ def _load(
     idle[l] = 0.0
     fastest = 1e-3
     for i in range(inertia.shape[0]):
+        speed = of_crash(rate, i, number)
         q[at(i, 0) + l] = 0.0
-        q[at(i, 1) + l] = rate[i, number]
-        inverse_inertia[row(i) + l] = 1.0 / inertia[i, number]
-        fastest = max(fastest, abs(rate[i, number]))
+        q[at(i, 1) + l] = speed
+        inverse_inertia[row(i) + l] = 1.0 / of_crash(inertia, i, number)
+        fastest = max(fastest, abs(speed))
     scale[l] = fastest / stepping.BRAKING_TIME
     for e in range(arms.shape[0]):
-        arm[row(e) + l] = arms[e, number]
+        arm[row(e) + l] = of_crash(arms, e, number)
+    for n in range(varied_row.size):
+        own[row(varied_row[n]) + l] = varied[n, number]
 
 
 @part
 def _open(
-    l, number, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work, tracked,
-    extreme,
+    l, law, piece_start, coefficients, pieces, second_pair, free, empty, line, guard, memory, mode, work, tracked, extreme,
 ):  # fmt: skip
     """Every law of lane l open, as before the crash, and nothing tracked yet."""
     for e in range(law.size):
@@ -276,12 +281,12 @@ def _open(
             memory[memory_at(e, slot) + l] = 0.0
         work[row(e) + l] = 0.0
         if law[e] != laws.RESTRAINT:
-            laws.enter(e, l, number, laws.OPEN, law, piece_start, coefficients, pieces, line, guard, memory, mode)
+            laws.enter(e, l, laws.OPEN, law, piece_start, coefficients, pieces, line, guard, memory, mode)
             continue
         line[line_at(e, FILL) + l] = 0.0 if empty[e] != 0 else 1.0
         line[line_at(e, FILLING) + l] = 0.0
         start = piece_start[e + 1] - piece_start[e] + restraint.FREE if free[e] != 0 else restraint.OPEN
-        restraint.enter(e, l, number, start, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
+        restraint.enter(e, l, start, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
     for k in range(tracked):
         extreme[extreme_at(k, BEST) + l] = -np.inf
         extreme[extreme_at(k, WHEN) + l] = 0.0
@@ -289,7 +294,7 @@ def _open(
 
 @part
 def _settle(
-    l, block, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, crash, step, piece_start,
+    l, block, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, step, piece_start,
     coefficients, pieces, memory, mode,
 ):  # fmt: skip
     """Where the reels of lane l are, at the end of its last step."""
@@ -297,7 +302,7 @@ def _settle(
         if law[e] == laws.RESTRAINT and restraint.gives_way(e, l, piece_start, mode):
             if leader[e] != e or rests[row(e) + block] == series.RESTS:
                 series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
-            changes.settle(e, l, crash[l], step[l], d, piece_start, coefficients, pieces, memory, mode)
+            changes.settle(e, l, step[l], d, piece_start, coefficients, pieces, memory, mode)
 
 
 @part

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ridedown.network import Family, Law, Network
 from ridedown.network.model import Floats, Ints
@@ -20,6 +21,7 @@ from ridedown.solver import events, together
 from ridedown.solver.extremes import SAMPLED
 from ridedown.solver.layout import (
     BEND_ROWS,
+    COEFFICIENT_ROWS,
     DEGREE,
     EXTREME_ROWS,
     G0,
@@ -28,6 +30,7 @@ from ridedown.solver.layout import (
     MEMORY_ROWS,
     MODE_ROWS,
     ORDERS,
+    PIECE_ROWS,
     STRIDE,
     SUM_ROWS,
     Cube,
@@ -77,13 +80,13 @@ class Structure(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """The numbers of a network, a column a crash."""
+    """The numbers of a network, a column a crash; of a table, one column may stand for all."""
 
     inertia: Table  # (i, R)
     rate: Table  # (i, R)
     arm: Table  # (e, R)
-    coefficients: Cube  # (9, e, R) stiffness, damping, slack, limits, payouts, stall forces; the first 3, without restraints
-    pieces: Cube  # (3, p, R) knot, force, slope
+    varied: Table  # (v, R) what varies of the laws' coefficients and the pieces of their curves
+    varied_row: Ints  # (v,) where that goes in the rows of `Lanes.own`
     timer_time: Table  # (t, R)
     timer_value: Table  # (t, R)
     pulse_amplitude: Floats  # (R,)
@@ -126,6 +129,11 @@ class Lanes(NamedTuple):
     # the crash's own numbers, rows by index
     inverse_inertia: Floats
     arm: Floats
+    own: Floats  # both that follow: what does not vary is there from the start
+    coefficients: (
+        Floats  # rows by element: stiffness, damping, slack, limits, payouts, stall forces; as far as its law has them
+    )
+    pieces: Floats  # rows by piece: knot, force, slope
     # its laws
     mode: Ints  # rows as `layout` says
     line: Floats
@@ -205,6 +213,9 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
     # no guard of a restraint turns negative until it is put into a mode
     restrains = (network.law == Law.RESTRAINT)[_element_of_pairs(network)]
     guard.reshape(pairs, 2, GUARD_ROWS, STRIDE)[restrains, :, G0] = 1.0
+    own = floats(m * COEFFICIENT_ROWS + len(network.knot) * PIECE_ROWS)
+    for rows, columns in _own(network):
+        own.reshape(-1, STRIDE)[rows] = columns[:, :1]
     return Lanes(
         crash=whole(1),
         until=floats(1),
@@ -235,6 +246,9 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         moment=floats(bars * ORDERS),
         inverse_inertia=floats(n),
         arm=floats(m),
+        own=own,
+        coefficients=own[: m * COEFFICIENT_ROWS * STRIDE],
+        pieces=own[m * COEFFICIENT_ROWS * STRIDE :],
         mode=whole(m * MODE_ROWS),
         line=floats(m * LINE_ROWS),
         guard=guard,
@@ -402,27 +416,49 @@ def _quiet(network: Network, tracked: Tracked) -> Ints:
 
 
 def numbers_of(network: Network) -> Numbers:
-    """The numbers of a network as the kernels take them: columns of their own, where a number stands for many."""
+    """The numbers of a network as the kernels take them: what is the same in every crash stands there once."""
+    size = network.size
+    varied_row, varied = np.zeros(0, dtype=np.int64), np.zeros((0, size))
+    if size > 1:
+        varies = [(rows, columns, _varies(columns)) for rows, columns in _own(network)]
+        varied_row = np.concatenate([rows[which] for rows, _, which in varies])
+        varied = np.concatenate([columns[which] for _, columns, which in varies])
 
     def table(column: Floats) -> Floats:
+        return np.require(column if column.strides[-1] else column[..., :1], requirements=("C", "W"))
+
+    def whole(column: Floats) -> Floats:
         return np.require(column, requirements=("C", "W"))
 
     return Numbers(
         inertia=table(network.inertia),
         rate=table(network.rate),
         arm=table(network.arm),
-        coefficients=table(_coefficients(network)),
-        pieces=table(np.stack((network.knot, network.force, network.slope))),
+        varied=varied,
+        varied_row=varied_row,
         timer_time=table(network.timer_time),
         timer_value=table(network.timer_value),
-        pulse_amplitude=table(network.pulse_amplitude),
-        pulse_length=table(network.pulse_length),
-        duration=table(network.duration),
+        pulse_amplitude=whole(network.pulse_amplitude),
+        pulse_length=whole(network.pulse_length),
+        duration=whole(network.duration),
     )
 
 
-def _coefficients(network: Network) -> Floats:
-    common = np.stack((network.stiffness, network.damping, network.slack))
-    if not (network.law == Law.RESTRAINT).any():
-        return common
-    return np.concatenate((common, network.limit, network.payout, network.stall))
+def _own(network: Network) -> list[tuple[Ints, Floats]]:
+    """What the laws' coefficients and the pieces of their curves are, part by part: their rows in a lane, and their columns."""
+    coefficients = [network.stiffness, network.damping, network.slack]
+    if (network.law == Law.RESTRAINT).any():
+        coefficients += [*network.limit, *network.payout, *network.stall]
+    elements, pieces = np.arange(len(network.elements)), np.arange(len(network.knot))
+    first = elements.size * COEFFICIENT_ROWS
+    own = [(elements * COEFFICIENT_ROWS + part, columns) for part, columns in enumerate(coefficients)]
+    curve = (network.knot, network.force, network.slope)
+    return own + [(first + pieces * PIECE_ROWS + part, columns) for part, columns in enumerate(curve)]
+
+
+def _varies(columns: Floats) -> NDArray[np.bool_]:
+    """Which rows of a table are not one number all along."""
+    if columns.strides[-1] == 0:
+        return np.zeros(len(columns), dtype=np.bool_)
+    varies: NDArray[np.bool_] = (columns != columns[:, :1]).any(axis=1)
+    return varies
