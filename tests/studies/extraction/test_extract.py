@@ -169,6 +169,15 @@ class TestWrongMass:
         assert test.momentum.implied_mass == pytest.approx(walls.MASS, rel=0.005)
         assert any("kg would agree" in text for text in test.warnings)
 
+    def test_another_than_the_record_says_is_taken_and_said(self) -> None:
+        test = wall_test(walls.record(walls.one_mass()), mass=0.8 * walls.MASS, speed=1.1 * walls.SPEED)
+        assert (test.mass, test.speed) == (0.8 * walls.MASS, 1.1 * walls.SPEED)
+        for name, asked, recorded in (("mass", test.mass, walls.MASS), ("speed", test.speed, walls.SPEED)):
+            (said,) = [text for text in test.warnings if text.startswith(f"{name}: {asked:.5g}")]
+            assert f"the record says {recorded:.5g}" in said
+        near = wall_test(walls.record(walls.one_mass()), mass=1.02 * walls.MASS)
+        assert not any(text.startswith("mass") for text in near.warnings)
+
     def test_far_wrong_leaves_the_wall_out(self) -> None:
         found = extract(walls.record(walls.two_masses()), mass=2000.0)
         assert found.two is None

@@ -30,12 +30,13 @@ BELT = {
     "path": "adult.restraint.stiffness",
     "distribution": {"kind": "truncated-normal", "mean": "98 kN/m", "sd": "10 kN/m", "lower": "50 kN/m"},
 }
+TOGETHER = {"between": ["adult.restraint.stiffness", "speed"], "rank": 0.5}
 SAMPLE = {
     "kind": "sample",
     "scenario": "p1",
     "outcomes": ["adult.excursion.max"],
     "parameters": [BELT, SPEED],
-    "correlations": [{"between": ["adult.restraint.stiffness", "speed"], "rank": 0.5}],
+    "correlations": [TOGETHER],
     "limits": [{"outcome": "adult.excursion.max", "most": "230 mm"}],
     "sample": {"rows": 256, "seed": 0},
 }
@@ -95,8 +96,9 @@ def test_limits_that_do_not_fit_are_refused_before_anything_is_written(tmp_path,
         ({"sample": {"seed": -1}}, r"sample\.seed"),
         ({"sample": {"design": "sobool"}}, "sobol"),
         ({"sample": {"count": 5}}, r"sample\.count"),
-        ({"correlations": [{"between": ["speed", "speed"], "rank": 0.5}]}, "itself"),
-        ({"correlations": [{"between": ["speed", "adult.restraint.stiffness"], "rank": 1.5}]}, "1.5"),
+        ({"correlations": [{"between": ["speed", "speed"], "rank": 0.5}]}, r"^correlations\.0: got speed with itself"),
+        ({"correlations": [{"between": ["speed", "adult.restraint.stiffness"], "rank": 1.5}]}, r"^correlations\.0: got 1\.5"),
+        ({"correlations": [TOGETHER, TOGETHER]}, r"^correlations\.1: got .* twice"),
         ({"kind": "sensitivity", "sample": None}, "correlations"),
         ({"kind": "sensitivity", "correlations": []}, "sample"),
         ({"parameters": [{**BELT, "distribution": {"kind": "normal", "mean": "98 kN", "sd": "1 kN"}}]}, "a force"),
@@ -106,6 +108,11 @@ def test_limits_that_do_not_fit_are_refused_before_anything_is_written(tmp_path,
 def test_what_does_not_fit_a_sample_is_refused(change, said):
     with pytest.raises(InvalidInput, match=said):
         plan_of(load_study({**SAMPLE, **change}))
+
+
+def test_a_correlation_with_a_parameter_that_is_none_is_told_the_nearest():
+    with pytest.raises(UnknownName, match=r"^correlations\.0: no 'sped'\. Did you mean 'speed'"):
+        plan_of(load_study({**SAMPLE, "correlations": [{"between": ["speed", "sped"], "rank": 0.5}]}))
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ References:
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -328,26 +328,36 @@ class Variables:
         return {name: one.from_normal(z[:, i]) for i, (name, one) in enumerate(self.distributions.items())}
 
 
+def check_correlation(
+    one: str, other: str, rank: float, names: Sequence[str], given: Collection[frozenset[str]], where: str = "correlation"
+) -> None:
+    """Check a pair of parameters and their rank correlation, beside the pairs that are given already.
+
+    Raises: UnknownName for a name that is not among the names; InvalidInput for a pair with itself or twice, or a correlation
+    that is not between -1 and 1; each says `where`.
+    """
+    for name in (one, other):
+        if name not in names:
+            raise UnknownName.among(where, name, names)
+    if one == other or frozenset((one, other)) in given:
+        what = "itself" if one == other else f"{other} twice"
+        raise InvalidInput(f"{where}: got {one} with {what}; need each pair of two parameters once. Take it out.")
+    if not -1.0 < rank < 1.0:
+        raise InvalidInput(
+            f"{where}: got {rank:g} between {one} and {other}; need > -1 and < 1. "
+            "Parameters that go wholly together are one parameter."
+        )
+
+
 def rank_matrix(names: Sequence[str], correlations: Mapping[tuple[str, str], float]) -> Floats:
     """The matrix (d, d) of pairs of names and their rank correlation.
 
-    Raises: UnknownName for a name that is not among them; InvalidInput for a pair with itself or twice, or a correlation that
-    is not between -1 and 1.
+    Raises: UnknownName and InvalidInput as `check_correlation` does.
     """
     matrix = np.eye(len(names))
     given: set[frozenset[str]] = set()
     for (one, other), value in correlations.items():
-        for name in (one, other):
-            if name not in names:
-                raise UnknownName.among("parameter", name, names)
-        if one == other or frozenset((one, other)) in given:
-            what = "itself" if one == other else f"{other} twice"
-            raise InvalidInput(f"correlation: got {one} with {what}; need each pair of two parameters once.")
-        if not -1.0 < value < 1.0:
-            raise InvalidInput(
-                f"correlation: got {value:g} between {one} and {other}; need > -1 and < 1. "
-                "Parameters that go wholly together are one parameter."
-            )
+        check_correlation(one, other, value, names, given)
         given.add(frozenset((one, other)))
         i, j = names.index(one), names.index(other)
         matrix[i, j] = matrix[j, i] = value

@@ -35,6 +35,7 @@ IN_CONTACT = 0.2
 ASSUMED_RESTITUTION = 0.15
 """Where the rebound was not recorded: about that of wall tests near 50 km/h (0.13 and 0.17 for the pair of NHTSA 4429)."""
 
+_OTHER = 0.05  # how far what is asked for may be from what the record says without a warning
 _ENGINE_BACK, _ENGINE_AHEAD = -0.6, 1.05  # parts of the test speed between which an engine's velocity is believed
 _ENGINE_LEAST = 0.7  # part of the time to standstill for which it must be
 _UNUSABLE = ("meaningless", "no data", "no file", "failed", "cannot be read")
@@ -134,8 +135,8 @@ def wall_test(
     evidence = RecordEvidence(record)
     vehicle = evidence.vehicles[0]
     known = {str(one.number): one for one in record.vehicles}.get(vehicle)
-    kilograms = _positive(mass if mass is not None else (known.mass if known else None), "mass", "kg")
-    metres_a_second = _positive(speed if speed is not None else _speed(evidence, vehicle), "speed", "m/s")
+    kilograms = _asked(mass, known.mass if known else None, "mass", "kg", warnings)
+    metres_a_second = _asked(speed, _speed(evidence, vehicle), "speed", "m/s", warnings)
 
     raw_time, shape, smooth, used = _cabin(record, evidence, vehicle, channels, notes, warnings)
     if raw_time[0] > LATEST_START or raw_time[-1] <= 0.0:
@@ -236,6 +237,17 @@ def _positive(value: float | None, field: str, unit: str) -> float:
     if not (np.isfinite(value) and value > 0.0):
         raise InvalidInput(f"{field}: got {value:g} {unit}; need > 0 {unit}. Correct it, or leave it out to take the header's.")
     return float(value)
+
+
+def _asked(asked: float | None, recorded: float | None, name: str, unit: str, warnings: list[str]) -> float:
+    """What was asked for, else what the record says; where both are there and far apart, a warning.
+
+    Raises: InvalidInput for one that is not above zero, or where there is none.
+    """
+    value = _positive(recorded if asked is None else asked, name, unit)
+    if recorded and abs(value / recorded - 1.0) > _OTHER:
+        warnings.append(f"{name}: {value:.5g} {unit} is taken, as asked, though the record says {recorded:.5g} {unit}")
+    return value
 
 
 def _speed(evidence: RecordEvidence, vehicle: str) -> float | None:

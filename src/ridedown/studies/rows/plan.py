@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ridedown.errors import InvalidInput
 from ridedown.studies.analysis.designs import Design as Points
-from ridedown.studies.analysis.designs import Sobol, Variables
+from ridedown.studies.analysis.designs import Sobol, Variables, check_correlation
 from ridedown.studies.analysis.reliability import plan_of as points_of
 from ridedown.studies.file.parameters import StudyParameter, Varied, resolve
 from ridedown.studies.file.study import LoadedStudy, Study
@@ -244,10 +244,10 @@ def _most_asked(study: Study) -> int | None:
 
 def variables_of(study: Study, parameters: tuple[Varied, ...]) -> Variables:
     """The parameters' distributions and correlations. Raises: InvalidInput, UnknownName."""
-    pairs: dict[tuple[str, str], float] = {}
+    names, pairs = [one.name for one in parameters], dict[tuple[str, str], float]()
     for i, correlation in enumerate(study.correlations):
-        if correlation.between in pairs:
-            raise InvalidInput(f"correlations.{i}.between: got a pair a second time; need each once. Take one out.")
+        given = {frozenset(pair) for pair in pairs}
+        check_correlation(*correlation.between, correlation.rank, names, given, f"correlations.{i}")
         pairs[correlation.between] = correlation.rank
     return Variables({one.name: one.distribution for one in parameters}, pairs)
 
