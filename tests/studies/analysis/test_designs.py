@@ -149,7 +149,7 @@ def test_correlations_that_cannot_be_name_the_pair():
 @pytest.mark.parametrize(
     ("given", "error", "sentence"),
     [
-        ({("a", "x"): 0.5}, UnknownName, "parameter: no 'x'"),
+        ({("a", "x"): 0.5}, UnknownName, "correlation: no 'x'"),
         ({("a", "a"): 0.5}, InvalidInput, "got a with itself"),
         ({("a", "b"): 0.5, ("b", "a"): 0.5}, InvalidInput, "got b with a twice"),
         ({("a", "b"): 1.0}, InvalidInput, "got 1 between a and b; need > -1 and < 1"),
