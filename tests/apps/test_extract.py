@@ -13,6 +13,7 @@ from ridedown.apps.extract import options
 from ridedown.errors import InvalidInput
 from ridedown.scenario import load
 from ridedown.signals import write
+from tests.report.read_pdf import sections, unpacked
 from tests.studies.extraction import walls
 
 
@@ -39,12 +40,14 @@ def test_writes_a_scenario_that_runs_and_a_page(wall_file: Path, tmp_path: Path)
         "extract.json",
         "force-crush.svg",
         "index.html",
+        "report.pdf",
         "scenario.toml",
         "velocity.svg",
     ]
     html = (page / "index.html").read_text(encoding="utf-8")
     assert "Force against crush" in html
     assert 'src="data:image/svg+xml' in html
+    assert {"Results", "Figures", "Notes", "Scenario"} <= set(sections(unpacked((page / "report.pdf").read_bytes())))
     assert (page / "scenario.toml").read_text(encoding="utf-8") == out.read_text(encoding="utf-8")
     again = CliRunner().invoke(app, ["extract", str(wall_file), *NEEDED, "--out", str(out)])
     assert again.exit_code == 0  # a scenario is replaced by a scenario

@@ -14,11 +14,12 @@ from matplotlib.patches import Rectangle
 from typer.testing import CliRunner
 
 from ridedown.apps.cli import app
-from ridedown.report.criteria import CriteriaReport, html
+from ridedown.report.criteria import CriteriaReport, html, pdf
 from ridedown.report.criteria_figures import occupant_plots, vehicle_plots
 from ridedown.signals import TestRecord, TimeHistory
 from ridedown.signals.ev5 import read_ev5
 from ridedown.signals.record import ChannelInfo, Occupant, Vehicle
+from tests.report.read_pdf import pages, sections, unpacked
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "nhtsa_v10146"
 
@@ -162,6 +163,13 @@ def test_a_record_without_anything_to_judge_has_a_page_too():
     text = html(CriteriaReport(record))
     parsed(text)
     assert "trigger" in text
+    assert "Channels" in sections(unpacked(pdf(CriteriaReport(record))))
+
+
+def test_the_same_on_paper(measured):
+    text = unpacked(pdf(measured))
+    assert {"Criteria", "Regulations", "Figures", "Not computed", "Channels", "Notes"} <= set(sections(text))
+    assert 7 <= pages(text) <= 11
 
 
 def test_the_folder_has_the_page_each_figure_and_the_json(tmp_path):
@@ -171,6 +179,6 @@ def test_the_folder_has_the_page_each_figure_and_the_json(tmp_path):
     result = CliRunner().invoke(app, ["criteria", str(DATA), "--out", str(out), "--json"])
     assert result.exit_code == 0
     written = {path.name for path in out.iterdir()}
-    assert {"index.html", "criteria.json", "vehicle-1-pulse.svg", "occupant-02-head.svg"} <= written
+    assert {"index.html", "report.pdf", "criteria.json", "vehicle-1-pulse.svg", "occupant-02-head.svg"} <= written
     assert json.loads((out / "criteria.json").read_text(encoding="utf-8")) == json.loads(result.stdout)
     assert [path.name for path in tmp_path.iterdir()] == ["out"]

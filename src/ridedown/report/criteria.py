@@ -1,4 +1,4 @@
-"""The criteria of a measured test as a folder of files: one HTML page, its figures, and the numbers as JSON."""
+"""The criteria of a measured test as a folder of files: one HTML page, the same as PDF, figures, and the numbers as JSON."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from ridedown.report import criteria_channels
 from ridedown.report import criteria_tables as tables
 from ridedown.report.jsontext import json_text
 from ridedown.report.page import render
+from ridedown.report.pdf import Document, Part
+from ridedown.report.pdf import pdf as set_on_paper
 from ridedown.report.style import Plot
 from ridedown.report.tables import Table
 from ridedown.signals.record import TestRecord
@@ -74,6 +76,15 @@ class CriteriaReport:
         return tables.as_json(self.found, self.channels, self.assessments, self.record.problems)
 
 
+SIGNS = (
+    "Signs as in SAE J211: x forward, a braking car negative. Channels are filtered to the class that SAE J211 names for their "
+    "place. Differences are ours less the official value."
+)
+CAUTION = (
+    "Check the text in force before you rely on a verdict: limits and clauses are as ridedown knows them, some from memory."
+)
+
+
 @dataclass(frozen=True, slots=True)
 class _Section:
     """Part of the page: an anchor, a heading, a table, figures."""
@@ -85,12 +96,13 @@ class _Section:
 
 
 def write(report: CriteriaReport, folder: Path) -> None:
-    """Write the page, each figure and `criteria.json` into an existing folder."""
+    """Write the page, the same as PDF, each figure and `criteria.json` into an existing folder."""
     sections = _sections(report)
     for section in sections:
         for plot in section.plots:
             (folder / f"{plot.name}.svg").write_bytes(plot.svg)
     (folder / "index.html").write_text(_html(report, sections), encoding="utf-8")
+    (folder / "report.pdf").write_bytes(_pdf(report, sections))
     (folder / "criteria.json").write_text(json_text(report.as_json()) + "\n", encoding="utf-8")
 
 
@@ -106,12 +118,33 @@ def _html(report: CriteriaReport, sections: tuple[_Section, ...]) -> str:
         "criteria.html",
         title=report.title,
         description=report.description,
+        signs=SIGNS,
+        caution=CAUTION,
         sections=sections,
         verdicts=tables.verdict_tables(report.assessments),
         missing=[missing] if missing.rows else [],
         channels=[table for table in report.channel_tables if table.rows],
         notes=report.notes,
     )
+
+
+def pdf(report: CriteriaReport) -> bytes:
+    """The same on paper, A4: the numbers first, what was found wrong with the files last."""
+    return _pdf(report, _sections(report))
+
+
+def _pdf(report: CriteriaReport, sections: tuple[_Section, ...]) -> bytes:
+    missing = tables.missing_table(report.found)
+    parts = (
+        Part("Criteria", tables=tuple(one.table for one in sections if one.table.rows)),
+        Part("Regulations", (CAUTION,) if report.assessments else (), tables.verdict_tables(report.assessments)),
+        Part("Figures", plots=tuple(plot for one in sections for plot in one.plots)),
+        Part("Not computed", tables=(missing,) if missing.rows else ()),
+        Part("Channels", tables=tuple(table for table in report.channel_tables if table.rows)),
+        Part("Notes", words=report.notes),
+    )
+    shown = tuple(part for part in parts if part.words or part.tables or part.plots)
+    return set_on_paper(Document(report.title, report.description, SIGNS, (), shown))
 
 
 def _sections(report: CriteriaReport) -> tuple[_Section, ...]:

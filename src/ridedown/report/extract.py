@@ -11,6 +11,8 @@ from ridedown.criteria import STANDARD_GRAVITY
 from ridedown.criteria.checks import Floats
 from ridedown.report.jsontext import json_text
 from ridedown.report.page import render
+from ridedown.report.pdf import Document, Part
+from ridedown.report.pdf import pdf as set_on_paper
 from ridedown.report.style import Plot, draw_line, finish, mark_point, new_axes
 from ridedown.report.tables import NONE, Column, Table, number
 from ridedown.scenario.networks import Tie
@@ -237,9 +239,9 @@ def html(found: Extraction, drawn: tuple[Plot, ...]) -> str:
     return render(
         "ridedown.report",
         "extract.html",
-        title=f"Front structure from wall test {test.identifier}",
+        title=_title(found),
         description=test.title,
-        warnings=found.warnings,
+        warnings=_warnings(found),
         notes=notes(found),
         tables=tables(found),
         plots=drawn,
@@ -247,11 +249,31 @@ def html(found: Extraction, drawn: tuple[Plot, ...]) -> str:
     )
 
 
+def pdf(found: Extraction, drawn: tuple[Plot, ...]) -> bytes:
+    """The same on paper, A4."""
+    parts = (
+        Part("Results", tables=tables(found)),
+        Part("Figures", plots=drawn),
+        Part("Notes", words=notes(found)),
+        Part("Scenario", text=found.toml),
+    )
+    return set_on_paper(Document(_title(found), found.test.title, "", _warnings(found), parts))
+
+
+def _title(found: Extraction) -> str:
+    return f"Front structure from wall test {found.test.identifier}"
+
+
+def _warnings(found: Extraction) -> tuple[str, ...]:
+    return tuple(f"Warning: {text}." for text in found.warnings)
+
+
 def write(found: Extraction, folder: Path) -> None:
-    """Write the page, each figure, `extract.json` and `scenario.toml` into an existing folder."""
+    """Write the page, the same as PDF, each figure, `extract.json` and `scenario.toml` into an existing folder."""
     drawn = plots(found)
     for plot in drawn:
         (folder / f"{plot.name}.svg").write_bytes(plot.svg)
     (folder / "index.html").write_text(html(found, drawn), encoding="utf-8")
+    (folder / "report.pdf").write_bytes(pdf(found, drawn))
     (folder / "extract.json").write_text(json_text(found.as_json()) + "\n", encoding="utf-8")
     (folder / "scenario.toml").write_text(found.toml, encoding="utf-8")
