@@ -106,6 +106,7 @@ def march(
     tracked_weight, tracked_sense = s.tracked_weight, s.tracked_sense
     phases, log = record.phases, record.log
     leader, beside, direction, watched, total = s.leader, s.beside, s.direction, s.watched, w.total
+    leading, bodies = s.leading, s.bodies
     conjugate, free, sample_time, trial = s.conjugate, s.free, s.sample_time, w.trial
     inertia, rate, arms, timer_time, pulse_amplitude = x.inertia, x.rate, x.arm, x.timer_time, x.pulse_amplitude
     samples, kept = out.samples, record.kept
@@ -144,8 +145,9 @@ def march(
                 lanes, law, leader, beside, direction, quiet, recorded, mode, line, d, f, total, rests,
             )  # fmt: skip
         series.expand(
-            lanes, conjugate, law, leader, rests, parent, driven, term_start, term_coordinate, term_sign, lever, pull_start,
-            pull_element, pull_sign, bars, bar_of, arm, inverse_inertia, line, total, q, tan, sec2, turn, moment, d, f, acc,
+            lanes, conjugate, law, leading, rests, parent, bodies, driven, term_start, term_coordinate, term_sign, lever,
+            pull_start, pull_element, pull_sign, bars, bar_of, arm, inverse_inertia, line, total, q, tan, sec2, turn, moment,
+            d, f, acc,
         )  # fmt: skip
 
         stepping.choose_steps(

@@ -50,6 +50,11 @@ _TANGENT = np.array(
 """Coefficients of tan x = x + x^3 / 3 + ...: Abramowitz and Stegun (1964), 4.3.67."""
 
 
+_ORDERS = np.arange(DEGREE)
+"""The orders, in turn. Read from here, as elements and bodies are from their lists: of an index that it counts up itself, the
+compiler makes thirty, one for each row in use, and keeps them in memory."""
+
+
 @part
 def start(lanes, bar_coordinate, term_start, term_coordinate, term_sign, lever, arm, q, tan, sec2, turn, d):
     """Tangents and deflections of orders 0 and 1, at the state in q."""
@@ -102,9 +107,12 @@ def _deflection(e, j, l, term_start, term_coordinate, term_sign, lever, arm, q, 
     return total
 
 
-EXPANDS, RESTS, FILLS = range(3)
+EXPANDS, RESTS, FILLS, DIFFERS = range(4)
 """What the first of restraints side by side does in a step, in a vector: its force has a series; or it is zero and passed over,
-as the deflections of orders 2 and up are, unless `deflect` is called; or it has a series, and a bag fills."""
+as the deflections of orders 2 and up are, unless `deflect` is called; or it has a series, and a bag fills. What it does in all
+vectors stands in the first one's second lane: one of these, or that they differ."""
+ALL = 1
+"""That lane."""
 
 
 @kernel
@@ -116,6 +124,7 @@ def side_by_side(
     for e in range(law.size):
         if law[e] != RESTRAINT or leader[e] != e:
             continue
+        alike = DIFFERS
         for l in range(0, lanes, WIDTH):
             pushes, one = 0, e
             while one >= 0:
@@ -127,6 +136,8 @@ def side_by_side(
                 rests[row(e) + l] = RESTS
                 for j in range(DEGREE):
                     store(f, at(e, j) + l, 0.0)
+            alike = rests[row(e)] if l == 0 or rests[row(e) + l] == alike else DIFFERS
+        rests[row(e) + ALL] = alike
 
 
 @part
@@ -176,20 +187,20 @@ def deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan
 
 @kernel
 def expand(
-    lanes: int, conjugate: bool, law: Ints, leader: Ints, rests: Ints, parent: Ints, driven: int, term_start: Ints,
-    term_coordinate: Ints, term_sign: Floats, lever: Ints, pull_start: Ints, pull_element: Ints, pull_sign: Floats,
-    bar_coordinate: Ints, bar_of: Ints,
-    arm: Floats, inverse_inertia: Floats, line: Floats, total: Floats, q: Floats, tan: Floats, sec2: Floats, turn: Floats,
-    moment: Floats, d: Floats, f: Floats, acc: Floats,
+    lanes: int, conjugate: bool, law: Ints, leading: Ints, rests: Ints, parent: Ints, bodies: Ints, driven: int,
+    term_start: Ints, term_coordinate: Ints, term_sign: Floats, lever: Ints, pull_start: Ints, pull_element: Ints,
+    pull_sign: Floats, bar_coordinate: Ints, bar_of: Ints, arm: Floats, inverse_inertia: Floats, line: Floats,
+    total: Floats, q: Floats, tan: Floats, sec2: Floats, turn: Floats, moment: Floats, d: Floats, f: Floats, acc: Floats,
 ) -> None:  # fmt: skip
     """The series of the step, order by order, from the state at its start and the modes there."""
-    for j in range(DEGREE):
+    for n in range(DEGREE):
+        j = _ORDERS[n]
         if j > 0:
             _tangents(lanes, j, bar_coordinate, q, tan, sec2, turn)
-        _forces(lanes, j, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, line, total, q, tan, d, f)
+        _forces(lanes, j, law, leading, rests, term_start, term_coordinate, term_sign, lever, arm, line, total, q, tan, d, f)
         if j < DEGREE - 1:
             _accelerations(
-                lanes, j, conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
+                lanes, j, conjugate, parent, bodies, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of,
                 sec2, moment, f, acc, q,
             )  # fmt: skip
 
@@ -246,6 +257,16 @@ def _restrain(lanes, j, e, rests, term_start, term_coordinate, term_sign, lever,
     order, first, to = float(j + 1), term_start[e], at(e, j)
     alone = term_start[e + 1] == first + 1 and lever[e] < 0
     q1, sign1 = at(term_coordinate[first], j + 1), term_sign[first]
+    alike = rests[row(e) + ALL]
+    if alike == RESTS:
+        return
+    if alike == EXPANDS and alone and j > 1:  # the most frequent by far
+        spring, damper = sum_at(e, SPRING), sum_at(e, DAMPER)
+        for l in range(0, lanes, WIDTH):
+            new = sign1 * load(q, q1 + l)
+            store(d, to + STRIDE + l, new)
+            store(f, to + l, load(total, spring + l) * load(d, to + l) + order * load(total, damper + l) * new)
+        return
     for l in range(0, lanes, WIDTH):
         state = rests[row(e) + l]
         if state == RESTS:
@@ -270,13 +291,13 @@ def _restrain(lanes, j, e, rests, term_start, term_coordinate, term_sign, lever,
 
 
 @inlined
-def _forces(lanes, j, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, line, total, q, tan, d, f):
-    """d[j + 1] of every element, then f[j] by its law's line in its present mode."""
+def _forces(lanes, j, law, leading, rests, term_start, term_coordinate, term_sign, lever, arm, line, total, q, tan, d, f):
+    """d[j + 1] of every element, then f[j] by its law's line in its present mode; of restraints side by side, of the first."""
     order = float(j + 1)
-    for e in range(lever.size):
+    for n in range(leading.size):
+        e = leading[n]
         if law[e] == RESTRAINT:
-            if leader[e] == e:
-                _restrain(lanes, j, e, rests, term_start, term_coordinate, term_sign, lever, arm, total, q, tan, d, f)
+            _restrain(lanes, j, e, rests, term_start, term_coordinate, term_sign, lever, arm, total, q, tan, d, f)
             continue
         k, c, to, dj, dk = line_at(e, K), line_at(e, C), at(e, j), at(e, j), at(e, j + 1)
         if j == 0:
@@ -313,23 +334,24 @@ def _forces(lanes, j, law, leader, rests, term_start, term_coordinate, term_sign
 
 @inlined
 def _accelerations(
-    lanes, j, conjugate, parent, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of, sec2, moment,
-    f, acc, q,
+    lanes, j, conjugate, parent, bodies, driven, pull_start, pull_element, pull_sign, arm, inverse_inertia, bar_of, sec2,
+    moment, f, acc, q,
 ):  # fmt: skip
     """acc[j] of every body, absolute, and q[j + 2] of every coordinate, relative to its parent.
 
     pull_start, pull_element, pull_sign: the elements that act on each coordinate; on a bar's rotation, by their arms.
     """
     share = 1.0 / ((j + 1) * (j + 2))
-    for i in range(parent.size):
+    if driven >= 0:
+        for l in range(0, lanes, WIDTH):
+            store(q, at(driven, j + 2) + l, share * load(acc, at(driven, j) + l))
+    for n in range(bodies.size):
+        i = bodies[n]
         to, m, next_q = at(i, j), row(i), at(i, j + 2)
         above = at(parent[i] if parent[i] >= 0 else parent.size, j)  # parents come before their children
         first, end = pull_start[i], pull_start[i + 1]
         if bar_of[i] >= 0:
             _turn(lanes, i, j, conjugate, bar_of[i], pull_start, pull_element, arm, inverse_inertia, sec2, moment, f, acc)
-            for l in range(0, lanes, WIDTH):
-                store(q, next_q + l, share * load(acc, to + l))
-        elif i == driven:
             for l in range(0, lanes, WIDTH):
                 store(q, next_q + l, share * load(acc, to + l))
         elif end - first == 1:  # an occupant
@@ -346,13 +368,13 @@ def _accelerations(
                 store(acc, to + l, new)
                 store(q, next_q + l, share * (new - load(acc, above + l)))
         else:
-            for n in range(first, end, 2):  # two elements at a time
-                f1, sign1 = at(pull_element[n], j), pull_sign[n]
-                n2 = min(n + 1, end - 1)
-                f2, sign2 = at(pull_element[n2], j), pull_sign[n2] if n2 > n else 0.0
+            for m1 in range(first, end, 2):  # two elements at a time
+                f1, sign1 = at(pull_element[m1], j), pull_sign[m1]
+                m2 = min(m1 + 1, end - 1)
+                f2, sign2 = at(pull_element[m2], j), pull_sign[m2] if m2 > m1 else 0.0
                 for l in range(0, lanes, WIDTH):
                     total = sign1 * load(f, f1 + l) + sign2 * load(f, f2 + l)
-                    store(acc, to + l, total if n == first else total + load(acc, to + l))
+                    store(acc, to + l, total if m1 == first else total + load(acc, to + l))
             for l in range(0, lanes, WIDTH):
                 new = load(acc, to + l) * load(inverse_inertia, m + l) if end > first else spread(0.0)
                 store(acc, to + l, new)

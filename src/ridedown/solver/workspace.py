@@ -60,6 +60,8 @@ class Structure(NamedTuple):
     second_pair: Ints  # (e,) the second pair of a restraint, -1 = none
     free: Ints  # (e,) 1 for a restraint whose reel is free at first
     empty: Ints  # (e,) 1 for a restraint that is empty at first
+    bodies: Ints  # the coordinates that are not driven, in their order
+    leading: Ints  # the elements with a series of their own: all but restraints that another stands for
     leader: Ints  # (e,) the first of the restraints side by side with this one, which stands for them in the series
     beside: Ints  # (e,) the next of them, -1 = none
     direction: Floats  # (e,) sign of its deflection in that of the first
@@ -345,6 +347,8 @@ def structure_of(network: Network, tracked: Tracked, *, each: bool = False) -> S
         second_pair=second_pair,
         free=network.free.astype(np.int64),
         empty=network.empty.astype(np.int64),
+        bodies=np.flatnonzero(np.arange(len(network.coordinates)) != network.driven),
+        leading=np.flatnonzero(leader == np.arange(leader.size)),
         leader=leader,
         beside=_next_of(leader),
         direction=direction,
