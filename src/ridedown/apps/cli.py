@@ -114,7 +114,7 @@ def criteria(
     """Judge a measured crash test.
 
     Prints every criterion that its channels allow, beside the official results, verdicts, and the
-    peaks of every channel. With --out also writes an HTML page with figures.
+    peaks of every channel. With --out also writes an HTML page with figures, and the same as PDF.
     """
     with _plain_errors():
         from ridedown.apps.measured import record_at
@@ -228,7 +228,7 @@ def extract(
     as_json: Json = False,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the scenario to this file (*.toml).")] = None,
     report: Annotated[
-        Path | None, typer.Option("--report", metavar="DIR", help="Write an HTML page with figures to this folder.")
+        Path | None, typer.Option("--report", metavar="DIR", help="Write a page with figures, HTML and PDF, to this folder.")
     ] = None,
 ) -> None:
     """Find the front structure that reproduces a wall test.
