@@ -10,11 +10,10 @@ from functools import cache, cached_property
 from typing import Any
 
 from llvmlite import ir
-from numba.core import errors, registry, types
+from numba.core import cgutils, errors, registry, types
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.typing import templates
-from numba.extending import lower_builtin, typeof_impl
-from numba.np.arrayobj import populate_array
+from numba.extending import lower_builtin, models, register_model, typeof_impl
 
 from ridedown.compiled.declaring import INSTRUCTIONS, Declared, Part, array_of, fields_of
 from ridedown.compiled.loading import ENTRY, KERNEL
@@ -24,7 +23,9 @@ _types: Any = types
 _templates: Any = templates
 _lower: Any = lower_builtin
 _typeof: Any = typeof_impl
-_populate: Any = populate_array
+_models: Any = models
+_register_model: Any = register_model
+_pack: Any = cgutils.pack_array
 _Dispatcher: Any = registry.CPUDispatcher
 
 # `_nrt`: without reference counts, which cost more than the arithmetic; the kernels make no arrays.
@@ -34,9 +35,47 @@ _OPTIONS: dict[str, Any] = {
 }  # fmt: skip
 
 _SLOT = ir.IntType(64)
+_WIDTH = 8  # bytes, of whatever is in a slot or in an array
 _BYTE = ir.IntType(8)
 _ADDRESS = _BYTE.as_pointer()
 _STATUS = ir.IntType(32)
+
+
+class _Array(_types.Array):  # type: ignore[misc]
+    """An array in C order that somebody else keeps: all of it follows from its address and its shape."""
+
+    def copy(self, *changed: Any, **changes: Any) -> Any:
+        """The type of a part of it: where that is in C order too, it is one of these."""
+        part = super().copy(*changed, **changes)
+        return _Array(part.dtype, part.ndim, "C") if part.layout == "C" and part.mutable else part
+
+
+@_register_model(_Array)
+class _ArrayModel(_models.ArrayModel):  # type: ignore[misc]
+    """Passed on as these two; numba passes seven values, and kernels have up to sixty arrays."""
+
+    def get_argument_type(self) -> Any:
+        data = self.get_model(self.get_field_position("data"))
+        return (data.get_argument_type(), *[_SLOT] * self._fe_type.ndim)
+
+    def as_argument(self, builder: Any, value: Any) -> Any:
+        shape = self.get(builder, value, "shape")
+        return (self.get(builder, value, "data"), *(builder.extract_value(shape, i) for i in range(self._fe_type.ndim)))
+
+    def from_argument(self, builder: Any, value: Any) -> Any:
+        """What numba has of an array, from these."""
+        data, *shape = value
+        count: Any = _SLOT(1)
+        strides: list[Any] = []
+        for length in reversed(shape):
+            strides.insert(0, builder.mul(count, _SLOT(_WIDTH)))
+            count = builder.mul(count, length)
+        fields = {"nitems": count, "itemsize": _SLOT(_WIDTH), "data": data}
+        fields |= {"shape": _pack(builder, shape, _SLOT), "strides": _pack(builder, strides, _SLOT)}
+        made = self.get_value_type()(None)
+        for name, field in fields.items():
+            made = self.set(builder, made, field, name)
+        return made
 
 
 def machine_code(declared: Declared) -> tuple[bytes, bytes]:
@@ -207,19 +246,12 @@ class _Slots:
         self.builder.store(value, self._slot(value.type))
 
     def _array(self, kind: Any) -> Any:
-        made = self.context.make_array(kind)(self.context, self.builder)
-        element = self.context.get_data_type(kind.dtype)
-        data = self.builder.load(self._slot(element.as_pointer()))
+        data = self.builder.load(self._slot(self.context.get_data_type(kind.dtype).as_pointer()))
         shape = [self.builder.load(self._slot(_SLOT)) for _ in range(kind.ndim)]
-        size = self.context.get_abi_sizeof(element)
-        strides = [_SLOT(size)]
-        for length in reversed(shape[1:]):
-            strides.insert(0, self.builder.mul(strides[0], length))
-        _populate(made, data, shape, strides, size, meminfo=None)
-        return made._getvalue()  # noqa: SLF001
+        return self.context.data_model_manager[kind].from_argument(self.builder, (data, *shape))
 
     def _slot(self, kind: Any) -> Any:
-        place = self.builder.gep(self.room, [_SLOT(8 * self.number)])
+        place = self.builder.gep(self.room, [_SLOT(_WIDTH * self.number)])
         self.number += 1
         return self.builder.bitcast(place, kind.as_pointer())
 
@@ -230,7 +262,7 @@ def _type_of(hint: Any) -> Any:
     if hint in plain:
         return plain[hint]
     if array := array_of(hint):
-        return _types.Array(_type_of(array[0]), array[1], "C")
+        return _Array(_type_of(array[0]), array[1], "C")
     inner = [_type_of(field) for field in fields_of(hint).values()]
     return _types.BaseTuple.from_types(inner, hint if hasattr(hint, "_fields") else None)
 
