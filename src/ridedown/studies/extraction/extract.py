@@ -306,7 +306,7 @@ def reached(found: Extraction) -> tuple[str, ...]:
         least, most = front.engine_range or (front.engine_mass, front.engine_mass)
         lines.append(
             f"Engine, with what moves with it: {front.engine_mass:.0f} kg of {test.mass:.0f} kg "
-            f"({least:.0f} to {most:.0f} kg do about as well)."
+            f"({least:.0f} to {most:.0f} kg do about as well, from this seed's starts; others may go further)."
         )
     if found.momentum is not None:
         lines.append(momentum_sentence(found.momentum))
