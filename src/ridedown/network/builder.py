@@ -200,10 +200,8 @@ def _columns(values: list[Number], size: int) -> Floats:
 
 
 def _pairs(values: list[tuple[Number, Number]], size: int) -> Floats:
-    """Shape (2, e, R); where there are none, infinities that take no room."""
-    if all(isinstance(value, float) and value == np.inf for pair in values for value in pair):
-        return np.broadcast_to(np.inf, (2, len(values), size))
-    return np.stack([_columns([pair[n] for pair in values], size) for n in range(2)])
+    """Shape (2, e, R). They take no room either, where every row is one number."""
+    return _columns([pair[n] for n in range(2) for pair in values], size).reshape(2, len(values), size)
 
 
 def _csr(rows: list[dict[int, float]]) -> tuple[np.ndarray, np.ndarray, Floats]:

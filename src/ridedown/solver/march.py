@@ -114,12 +114,13 @@ def march(
     timed = driven >= 0 or timer_element.size > 0
     restrained, recorded = pair_element.size > law.size, phases.shape[0] > 0
     lanes = (places + WIDTH - 1) // WIDTH * WIDTH  # in whole vectors
-    active, more = 0, True
+    active, more, vacant = 0, True, True
     for l in range(lanes):
         crash[l] = NO_CRASH
 
     while True:
-        if active < places and more:
+        if vacant and more:
+            vacant = False
             active, more = _take(
                 queue, active, places, inertia, rate, arms, duration, timer_time, timed, crash, until, due, pause, time, last,
                 steps, idle, q, inverse_inertia, scale, arm, timer, alarm, piece, sampled, varied, varied_row, own,
@@ -193,6 +194,7 @@ def march(
                     until[l] = 0.0
                     pending_count[l] = 0
                     active -= 1
+                    vacant |= not timed or not _in_use(block, block + WIDTH, crash)
 
 
 @kernel
