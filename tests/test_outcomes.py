@@ -107,8 +107,9 @@ def test_energy_of_the_start() -> None:
     np.testing.assert_allclose(many["energy.initial"], 0.5 * 1580.0 * np.array([10.0, 20.0]) ** 2, rtol=1e-14)
 
 
-def test_samples_are_the_response_at_those_times() -> None:
-    scenario, times = load("p1"), np.linspace(0.0, 0.2, 333)
+@pytest.mark.parametrize("count", [17, 333, 2001])  # none in most steps, about eight in each, and many
+def test_samples_are_the_response_at_those_times(count: int) -> None:
+    scenario, times = load("p1"), np.linspace(0.0, 0.2, count)
     names = [
         "adult.acceleration",
         "adult.excursion",
@@ -123,6 +124,16 @@ def test_samples_are_the_response_at_those_times() -> None:
         for name in names:
             scale = abs(response.peak(name).value)
             np.testing.assert_allclose(many.samples[name][row], response.at(name, times), rtol=0.0, atol=1e-11 * scale)
+
+
+def test_samples_of_a_crash_that_stops_end_there() -> None:
+    # its bar turns too far in one crash, and not in the others
+    scenario, times = load("p1"), np.linspace(0.0, 0.2, 101)
+    table = {"bar.lateral_offset": [0.1, 0.886, 0.1], "bar.mass": [20.0, 20.0, 20.0], "vehicle1.speed": [13.0, 60.0, 13.0]}
+    many = simulate_many(scenario, table, outcomes=[], samples=["adult.velocity"], times=times)
+    known = np.isfinite(many.samples["adult.velocity"])
+    np.testing.assert_array_equal(known, times < many.time[:, np.newaxis] + 1e-12)
+    assert known.all(axis=1).tolist() == [True, False, True]
 
 
 def test_a_sample_at_an_event_is_the_value_just_after_it() -> None:

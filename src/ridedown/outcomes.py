@@ -59,7 +59,7 @@ class Outcomes(Mapping[str, Floats]):
     """Shape (R,): steps that the solver took."""
     samples: dict[str, Floats]
     """Channels to their values, shape (R, T), at the times asked for; NaN after a row's own `duration`, completed or
-    not, and from where a crash stopped."""
+    not, and from where a crash stopped. One row may stand for all, where all are the same."""
 
     @classmethod
     def empty(cls, plan: Wanted, rows: int) -> Outcomes:
@@ -81,7 +81,10 @@ class Outcomes(Mapping[str, Floats]):
         self.time[rows] = solved.time
         self.steps[rows] = solved.steps
         for name, values in zip(plan.sampled, solved.samples, strict=True):
-            self.samples[name][rows] = values.T
+            if rows == slice(0, self.status.size):
+                self.samples[name] = values
+            else:
+                self.samples[name][rows] = values
 
     @property
     def completed(self) -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ from ridedown.network import Family
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import polynomial, together
 from ridedown.solver.events import NO
-from ridedown.solver.layout import BEST, DEGREE, STRIDE, WHEN, Cube, Table, at, extreme_at, row
+from ridedown.solver.layout import BEST, DEGREE, HAD, STRIDE, TAKEN, WHEN, Cube, Table, at, extreme_at, row
 from ridedown.solver.vector import WIDTH, first_lane, lanes_of, load, spread, store, where
 
 POSITION, RATE, ACCELERATION, DEFLECTION, DEFLECTION_RATE, FORCE = (int(family) for family in Family)
@@ -36,10 +36,12 @@ def track_all(
 ) -> None:  # fmt: skip
     """Raise every tracked extreme by what this step holds, and take the samples that lie in it.
 
-    `falling` and `owner` are room for polynomials solved together, `shape` for those of a block; `sampled` says how many
-    samples a lane has.
+    `falling` and `owner` are room for polynomials solved together, `shape` for those of a block; `sampled` has how many samples
+    a lane had before this step, and has after it.
     """
     taken = 0
+    if sample_time.size > 0:
+        _count_samples(lanes, crash, until, pause, last, time, step, sample_time, sampled)
     for k in range(tracked_sense.size):
         first = tracked_start[k]
         family, base = tracked_family[first], at(tracked_index[first], 0)
@@ -55,38 +57,56 @@ def track_all(
             _gather(lanes, k, tracked_start, tracked_family, tracked_index, tracked_weight, q, acc, d, f, series)
             source, base = series, 0
         if tracked_sense[k] == SAMPLED:
-            _sample(lanes, source, base, taken, crash, until, pause, last, time, step, sample_time, sampled, samples)
+            _sample(lanes, source, base, taken, crash, time, sample_time, sampled, samples)
             taken += 1
             continue
         _track(lanes, k, tracked_sense[k], source, base, time, step, power, extreme, falling, owner, shape, poly, room, timed)
-    if taken > 0:
-        for l in range(lanes):
-            if crash[l] >= 0:
-                sampled[l] = _sampled_by(l, until, pause, last, time, step, sample_time, sampled)
 
 
 @part
-def _sampled_by(l, until, pause, last, time, step, sample_time, sampled):
-    """How many samples lane l has after this step. One at an event counts to the step after it."""
-    n = sampled[l]
-    end = pause[l] if last[l] > NO else time[l] + step[l]  # to the last bit what `stepping.advance` makes of it
-    while n < sample_time.size and step[l] > 0.0 and (sample_time[n] < end or end >= until[l] >= sample_time[n]):
-        n += 1
-    return n
-
-
-@part
-def _sample(lanes, source, base, number, crash, until, pause, last, time, step, sample_time, sampled, samples):
-    """Samples of a quantity, whose series has its row of order 0 at `base` in `source`, at the times in this step."""
+def _count_samples(lanes, crash, until, pause, last, time, step, sample_time, sampled):
+    """How many samples each lane has before this step, and after it. One at an event counts to the step after it."""
     for l in range(lanes):
-        if crash[l] < 0:
+        n = sampled[row(TAKEN) + l]
+        sampled[row(HAD) + l] = n
+        if crash[l] < 0 or step[l] <= 0.0:
             continue
-        for n in range(sampled[l], _sampled_by(l, until, pause, last, time, step, sample_time, sampled)):
-            t = sample_time[n] - time[l]
-            value = source[base + row(DEGREE) + l]
-            for j in range(DEGREE - 1, -1, -1):
-                value = value * t + source[base + row(j) + l]
-            samples[number, n, crash[l]] = value
+        end = pause[l] if last[l] > NO else time[l] + step[l]  # to the last bit what `stepping.advance` makes of it
+        while n + WIDTH <= sample_time.size and sample_time[n + WIDTH - 1] < end:
+            n += WIDTH
+        while n < sample_time.size and (sample_time[n] < end or end >= until[l] >= sample_time[n]):
+            n += 1
+        sampled[row(TAKEN) + l] = n
+
+
+@part
+def _sample(lanes, source, base, number, crash, time, sample_time, sampled, samples):
+    """Samples of a quantity, whose series has its row of order 0 at `base` in `source`, at the times in this step.
+
+    Eight at a time; of so many or more the last eight are taken together, whatever of them was taken before.
+    """
+    size = sample_time.size
+    for l in range(lanes):
+        first, end = sampled[row(HAD) + l], sampled[row(TAKEN) + l]
+        if crash[l] < 0 or first == end:
+            continue
+        to, top = (number * samples.shape[1] + crash[l]) * size, base + row(DEGREE) + l
+        for n in range(first, end, WIDTH):
+            if end - first < WIDTH:
+                for m in range(first, end):
+                    samples[number, crash[l], m] = _value(source, top, sample_time[m] - time[l])
+                break
+            m = min(n, end - WIDTH)
+            store(samples, to + m, _value(source, top, load(sample_time, m) - time[l]))
+
+
+@inlined
+def _value(source, top, t):
+    """A series at times t since its start; `top` is where its last coefficient is."""
+    value = t * source[top]
+    for j in range(1, DEGREE):
+        value = (value + source[top - j * STRIDE]) * t
+    return value + source[top - DEGREE * STRIDE]
 
 
 @part

@@ -58,6 +58,10 @@ DOWN, UP, SLOWER, FASTER = range(4)
 rate."""
 BEND_ROWS = 4
 
+HAD, TAKEN = range(2)
+"""Rows of how many samples there are: before the step at hand, and with those in it."""
+SAMPLED_ROWS = 2
+
 BEST, WHEN = range(2)
 """Rows of a tracked extreme: the best so far, and its time."""
 EXTREME_ROWS = 2

@@ -29,6 +29,7 @@ from ridedown.solver.layout import (
     PAYOUT,
     REEL,
     SET,
+    TAKEN,
     WHEN,
     Table,
     at,
@@ -189,7 +190,7 @@ def march(
                         l, block, law, leader, rests, term_start, term_coordinate, term_sign, lever, arm, q, tan, d, step,
                         piece_start, coefficients, pieces, memory, mode,
                     )  # fmt: skip
-                    _store(l, crash[l], stop, time, steps, q, memory, work, extreme, out)
+                    _store(l, crash[l], stop, time, steps, q, memory, work, extreme, sampled, out)
                     crash[l] = NO_CRASH
                     until[l] = 0.0
                     pending_count[l] = 0
@@ -253,7 +254,7 @@ def _load(
     due[l] = 0.0 if timed else until[l]
     pause[l] = until[l]
     piece[l] = -1
-    sampled[l] = 0
+    sampled[row(TAKEN) + l] = 0
     for t in range(timer_time.shape[0]):
         timer[row(t) + l] = of_crash(timer_time, t, number)
     alarm[l] = 0.0 if timer_time.shape[0] > 0 else np.inf
@@ -338,7 +339,7 @@ def _stop_of(l, until, pause, last, steps, idle, scale, bars, q):
 
 
 @part
-def _store(l, number, stop, time, steps, q, memory, work, extreme, out):
+def _store(l, number, stop, time, steps, q, memory, work, extreme, sampled, out):
     out.stop[number] = stop
     out.time[number] = time[l]
     out.steps[number] = int(steps[l])
@@ -354,3 +355,6 @@ def _store(l, number, stop, time, steps, q, memory, work, extreme, out):
         best = extreme[extreme_at(k, BEST) + l]
         out.best[k, number] = best if best > -np.inf else 0.0  # stopped before anything moved
         out.best_time[k, number] = extreme[extreme_at(k, WHEN) + l]
+    for k in range(out.samples.shape[0]):
+        for n in range(sampled[row(TAKEN) + l], out.samples.shape[2]):
+            out.samples[k, number, n] = np.nan

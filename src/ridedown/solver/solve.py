@@ -40,7 +40,7 @@ Columns = Floats | list[Floats]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solved:
-    """What is kept of many crashes (see `workspace.Results`): columns, or tables of them; the last axis is the crash."""
+    """What is kept of many crashes (see `workspace.Results`): columns, or tables of them; of samples, tables (R, T)."""
 
     stop: Ints
     time: Floats
@@ -155,7 +155,8 @@ def _put(solved: Solved, part: Part, own: Solved, sense: Ints) -> None:
     places["samples"] = number[part.quantities][is_sample[part.quantities]]
     for name, numbers in places.items():
         for place, column in zip(numbers.tolist(), getattr(own, name), strict=True):
-            getattr(solved, name)[place] = np.broadcast_to(column, (*column.shape[:-1], solved.stop.size))
+            for_all = np.broadcast_to(column, (solved.stop.size, *column.shape[1:]))
+            getattr(solved, name)[place] = column if own.stop.size == solved.stop.size else for_all
     np.copyto(solved.stop, own.stop, where=own.stop != Stop.COMPLETED)
     solved.steps[:] += own.steps
 
@@ -167,7 +168,7 @@ def _replace(solved: Solved, rows: Ints, others: Solved) -> None:
         if isinstance(mine, list):
             for n, column in enumerate(theirs):
                 mine[n] = mine[n].copy()
-                mine[n][..., rows] = column
+                mine[n][rows] = column
         else:
             mine[rows] = theirs
 

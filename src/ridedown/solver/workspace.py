@@ -31,6 +31,7 @@ from ridedown.solver.layout import (
     MODE_ROWS,
     ORDERS,
     PIECE_ROWS,
+    SAMPLED_ROWS,
     STRIDE,
     SUM_ROWS,
     Cube,
@@ -151,7 +152,7 @@ class Lanes(NamedTuple):
     pending: Ints  # guards found negative at the start of the step, pending_count of them
     pending_count: Ints
     extreme: Floats
-    sampled: Ints  # how many samples are taken
+    sampled: Ints  # rows as `layout` says
     # room to work in
     falling: Floats  # polynomials to be solved together, a column each
     owner: Ints  # and two numbers for each: whose it is
@@ -173,7 +174,7 @@ class Tracked(NamedTuple):
 
 
 class Results(NamedTuple):
-    """What is kept of each crash; the last axis is the crash."""
+    """What is kept of each crash; the last axis is the crash, but of the samples the time."""
 
     stop: Ints  # (R,) of march.Stop
     time: Floats  # (R,) reached
@@ -186,7 +187,7 @@ class Results(NamedTuple):
     work: Table  # (e, R) done on each element, if asked for
     best: Table  # (k, R) extremes tracked
     best_time: Table
-    samples: Cube  # (s, T, R) of the sampled quantities; NaN where a crash stopped before
+    samples: Cube  # (s, R, T) of the sampled quantities; NaN where a crash stopped before
 
 
 class Record(NamedTuple):
@@ -264,7 +265,7 @@ def lanes_for(network: Network, tracked: int) -> Lanes:
         pending=whole(2 * pairs),
         pending_count=whole(1),
         extreme=floats(tracked * EXTREME_ROWS),
-        sampled=whole(1),
+        sampled=whole(SAMPLED_ROWS),
         falling=floats(together.ROWS),
         owner=whole(2),
         series=floats(ORDERS),
@@ -295,7 +296,7 @@ def results_for(network: Network, tracked: Tracked) -> Results:
         work=np.zeros((m, rows)),
         best=np.zeros((count, rows)),
         best_time=np.zeros((count, rows)),
-        samples=np.full((sampled, tracked.sample_time.size, rows), np.nan),
+        samples=np.empty((sampled, rows, tracked.sample_time.size)),
     )
 
 

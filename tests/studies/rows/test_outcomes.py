@@ -80,6 +80,18 @@ def test_change_of_velocity_and_crush_are_exact(responses):
         assert found["vehicle2.delta_v"][row] == pytest.approx(abs(response.vehicles["vehicle2"].delta_v), rel=1e-10)
 
 
+def test_what_is_the_same_in_every_row_is_found_once():
+    """The vehicles', where only restraints vary; beside the same rows with vehicles that differ by a trillionth."""
+    names = ["vehicle1.olc", "vehicle2.asi", "adult.hic15", "adult.acceleration.peak", "vehicle1.dynamic_crush"]
+    alike = {"adult.restraint.stiffness": np.linspace(40e3, 120e3, 40)}
+    each = alike | {"vehicle1.mass": 1500.0 * (1.0 + 1e-12 * np.arange(40) / 40)}
+    want = wanted_of(load("p1"), names)
+    (once, _), (apart, _) = (compute(load("p1"), rows, want, step=STEP) for rows in (alike, each))
+    for name in names:
+        np.testing.assert_allclose(once[name], apart[name], rtol=1e-9)
+        assert (np.ptp(once[name]) == 0.0) == name.startswith("vehicle")
+
+
 def test_no_value_where_the_pulse_never_stops_the_criterions_occupant():
     soft = {"vehicle1.speed": np.array([0.5])}
     found, _ = compute(load("example-wall"), soft, wanted_of(load("example-wall"), ["vehicle1.olc"]), step=STEP)
