@@ -34,7 +34,7 @@ def value(start: Floats, series: Floats, times: Floats) -> Floats:
 @pytest.mark.parametrize("name", ["p1", "example-offset", "paper-adult-offset", "paper-adult-full"])
 def test_the_same_motion_in_fewer_pieces(name: str) -> None:
     phases, series = vehicle(name)
-    start, end, fewer = merged(phases, series)
+    start, end, fewer = merged(phases, series, phases.event_time)
     assert start.size < phases.start.size
     assert end[-1] == np.inf
     largest = np.abs(series[:, 0]).max()
@@ -51,7 +51,7 @@ def test_the_same_motion_in_fewer_pieces(name: str) -> None:
 
 def test_pieces_overlap_wherever_nothing_changes() -> None:
     phases, series = vehicle("p1")
-    start, end, _ = merged(phases, series)
+    start, end, _ = merged(phases, series, phases.event_time)
     changes = np.append(phases.event_time, phases.end)
     for before, after, following in zip(start[:-1], end[:-1], start[1:], strict=True):
         if np.abs(following - changes).min() > 1e-11:  # in the middle of the piece before, up to round-off
@@ -62,7 +62,7 @@ def test_pieces_overlap_wherever_nothing_changes() -> None:
 
 def test_a_piece_starts_wherever_something_changes() -> None:
     phases, series = vehicle("p1")
-    start, _, _ = merged(phases, series)
+    start, _, _ = merged(phases, series, phases.event_time)
     changes = np.unique(np.round(phases.event_time, 12))
     assert changes.size > 3
     assert all(np.abs(start - time).min() < 1e-11 for time in changes if time < phases.end)
@@ -71,7 +71,7 @@ def test_a_piece_starts_wherever_something_changes() -> None:
 def test_what_no_polynomial_serves_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     phases, series = vehicle("p1")
     monkeypatch.setattr(merge, "ERROR", 0.0)
-    start, end, same = merged(phases, series)
+    start, end, same = merged(phases, series, phases.event_time)
     np.testing.assert_array_equal(start, phases.start)
     np.testing.assert_array_equal(end, [*phases.start[1:], np.inf])
     np.testing.assert_array_equal(same, series)
@@ -80,10 +80,10 @@ def test_what_no_polynomial_serves_stays_as_it_is(monkeypatch: pytest.MonkeyPatc
 def test_a_single_phase_and_no_motion() -> None:
     phases, series = vehicle("p1")
     first = replace(phases, start=phases.start[:1], length=phases.length[:1])
-    start, end, one = merged(first, series[:1])
+    start, end, one = merged(first, series[:1], phases.event_time)
     assert (start.tolist(), end.tolist()) == ([0.0], [np.inf])
     times = np.linspace(0.0, first.end, 101)
     np.testing.assert_allclose(value(start, one, times), value(start, series[:1], times), rtol=0.0, atol=1e-9)
-    start, _, still = merged(phases, np.zeros_like(series))
+    start, _, still = merged(phases, np.zeros_like(series), phases.event_time)
     assert not still.any()
     assert start.size <= 1 + np.unique(phases.event_time).size

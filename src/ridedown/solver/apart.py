@@ -197,20 +197,51 @@ def _timers(network: Network, elements: Ints) -> Ints:
     return np.flatnonzero(np.isin(network.timer_element, elements))
 
 
-def network_of(network: Network, part: Part, phases: Phases | None = None) -> Network:
-    """A part as a network of its own: what is alike, in a single row; or, on a vehicle's phases, its occupants in all rows."""
+def alike_of(network: Network, parts: Apart) -> Network:
+    """What is alike in every row, as a network of its own, of a single row."""
+    return _network_of(network, parts.alike, 1)
+
+
+def occupants_of(network: Network, parts: Apart, part: Part, phases: Phases) -> Network:
+    """Occupants in all rows, as a network of its own.
+
+    Their vehicle, the first of its coordinates, follows the acceleration that it has in the phases of what is alike.
+    """
+    smaller = _network_of(network, part, network.size)
+    vehicle = np.searchsorted(parts.alike.coordinates, part.coordinates[0])
+    orders = np.arange(2, phases.position.shape[1])
+    of_vehicles = np.isin(parts.alike.elements[phases.event_element], parts.vehicles.elements)
+    start, end, series = merged(
+        phases, phases.position[:, 2:, vehicle] * (orders * (orders - 1)), phases.event_time[of_vehicles]
+    )
+    inertia = smaller.inertia.copy()
+    inertia[0] = 0.0
+    one = np.ones(smaller.size)
+    return replace(
+        smaller,
+        driven=0,
+        pulse_start=start,
+        pulse_end=end,
+        pulse_series=series,
+        pulse_amplitude=one,
+        pulse_length=one,
+        inertia=inertia,
+    )
+
+
+def _network_of(network: Network, part: Part, size: int) -> Network:
+    """A part of a network, with so many of its rows."""
     place, of_element = _places(len(network.coordinates), part.coordinates), _places(len(network.elements), part.elements)
     pieces = _pieces(network, part.elements)
     timers = _timers(network, part.elements)
     terms, reactions = (_rows(start, part.elements) for start in (network.term_start, network.reaction_start))
-    size = network.size if phases else 1
     numbers: dict[str, Any] = {name: _part_of(getattr(network, name), part.elements, size) for name in _OF_ELEMENTS}
     numbers |= {name: _part_of(getattr(network, name), pieces, size) for name in _OF_PIECES}
     numbers |= {name: _part_of(getattr(network, name), part.coordinates, size) for name in _OF_COORDINATE}
     numbers |= {name: _part_of(getattr(network, name), timers, size) for name in _OF_TIMERS}
     numbers |= {name: getattr(network, name)[:size] for name in ("pulse_amplitude", "pulse_length", "duration")}
     assert set(numbers) == set(NUMBERS)
-    smaller = replace(
+    return replace(
         network,
         coordinates=tuple(network.coordinates[i] for i in part.coordinates),
         parent=place[network.parent[part.coordinates]],
@@ -231,7 +262,6 @@ def network_of(network: Network, part: Part, phases: Phases | None = None) -> Ne
         timer_action=network.timer_action[timers],
         **numbers,
     )
-    return smaller if phases is None else _driven(smaller, network, part, phases)
 
 
 def _part_of(table: Floats, rows: Ints, size: int) -> Floats:
@@ -240,26 +270,6 @@ def _part_of(table: Floats, rows: Ints, size: int) -> Floats:
         return table[..., rows, :size]
     part = table[..., rows, :1]
     return np.broadcast_to(part, (*part.shape[:-1], size))
-
-
-def _driven(smaller: Network, network: Network, part: Part, phases: Phases) -> Network:
-    """The occupants' vehicle, first of their coordinates, follows the acceleration that was solved for."""
-    vehicle = int(_moved_together(network)[: part.coordinates[0]].sum())
-    orders = np.arange(2, phases.position.shape[1])
-    start, end, series = merged(phases, phases.position[:, 2:, vehicle] * (orders * (orders - 1)))
-    inertia = smaller.inertia.copy()
-    inertia[0] = 0.0
-    one = np.ones(smaller.size)
-    return replace(
-        smaller,
-        driven=0,
-        pulse_start=start,
-        pulse_end=end,
-        pulse_series=series,
-        pulse_amplitude=one,
-        pulse_length=one,
-        inertia=inertia,
-    )
 
 
 def _rows(start: Ints, elements: Ints) -> Ints:

@@ -25,6 +25,7 @@ _SAME_TIME = 1e-12  # s
 _N = DEGREE - 4  # coefficients: three orders less than an acceleration has
 _NODES = 0.5 + 0.5 * np.cos(np.pi * (np.arange(_N) + 0.5) / _N)  # on [0, 1]
 _BETWEEN = 0.5 + 0.5 * np.cos(np.pi * np.arange(_N + 1) / _N)  # where a polynomial through values at the nodes is off most
+_PLACES = np.concatenate((_NODES, _BETWEEN))
 _OF_VALUES = np.linalg.inv(chebyshev.chebvander(2.0 * _NODES - 1.0, _N - 1)).T  # [node, k]: Chebyshev's coefficients
 _THERE = chebyshev.chebvander(2.0 * _BETWEEN - 1.0, _N - 1).T  # [k, point]
 
@@ -42,15 +43,15 @@ def _powers_of_chebyshev() -> Floats:
 _POWERS = _powers_of_chebyshev()
 
 
-def merged(phases: Phases, series: Floats) -> tuple[Floats, Floats, Floats]:
+def merged(phases: Phases, series: Floats, changes: Floats) -> tuple[Floats, Floats, Floats]:
     """An acceleration in few polynomials that keep it: when each starts and ends [s] (p,), and its coefficients (p, D).
 
     `series`: its coefficients by phase (n, DEGREE - 1). Both in ascending powers of the time since phase or polynomial start.
-    The last goes on for ever. A stretch without events that would take twice as many polynomials as it has phases stays as it
-    is.
+    `changes`: when it has a kink [s]. The last polynomial goes on for ever. A stretch without changes that would take twice as
+    many polynomials as it has phases stays as it is.
     """
     largest = np.abs(series[:, 0]).max()
-    first = _stretches(phases)
+    first = _stretches(phases.start, changes)
     last = np.append(first[1:], phases.start.size)
     begin, until = phases.start, np.append(phases.start[1:], phases.end)
     found = [(begin[a:b], until[a:b], series[a:b]) for a, b in zip(first, last, strict=True)]
@@ -70,9 +71,9 @@ def merged(phases: Phases, series: Floats) -> tuple[Floats, Floats, Floats]:
     return start, end, parts[:, :orders]
 
 
-def _stretches(phases: Phases) -> Ints:
+def _stretches(start: Floats, changes: Floats) -> Ints:
     """The phases at whose start something changes, and the first."""
-    nearest = np.abs(phases.start[:, np.newaxis] - phases.event_time).min(axis=1, initial=np.inf)
+    nearest = np.abs(start[:, np.newaxis] - changes).min(axis=1, initial=np.inf)
     nearest[0] = 0.0
     return np.flatnonzero(nearest <= _SAME_TIME)
 
@@ -94,6 +95,7 @@ def _through(start: Floats, series: Floats, low: Floats, high: Floats, first: In
             total = total * since + series[phase, order]
         return total
 
-    fits = value(_NODES) @ _OF_VALUES
-    error: Floats = np.abs(fits @ _THERE - value(_BETWEEN)).max(axis=(1, 2))
+    values = value(_PLACES)
+    fits = values[..., :_N] @ _OF_VALUES
+    error: Floats = np.abs(fits @ _THERE - values[..., _N:]).max(axis=(1, 2))
     return fits @ _POWERS / length ** np.arange(_N), error

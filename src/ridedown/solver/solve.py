@@ -11,7 +11,7 @@ import numpy as np
 from ridedown.network import Channel, Network
 from ridedown.network.model import Floats, Ints
 from ridedown.solver import workspace
-from ridedown.solver.apart import Apart, Part, apart, network_of, tracked_of
+from ridedown.solver.apart import Apart, Part, alike_of, apart, occupants_of, tracked_of
 from ridedown.solver.extremes import SAMPLED
 from ridedown.solver.layout import STRIDE
 from ridedown.solver.march import Stop, march
@@ -22,7 +22,6 @@ TOLERANCE = 4e-9
 
 _WORTH_IT = 32  # crashes, from which on to solve vehicles apart from their occupants
 _WORTH_A_THREAD = 4 * STRIDE  # crashes for each
-_NO_WORK = False
 _CAPACITY = 256  # phases kept at first; eight times as many where that is too few
 _NOTHING = workspace.Tracked(
     start=np.zeros(1, dtype=np.int64),
@@ -110,22 +109,24 @@ def _solve_whole(network: Network, quantities: workspace.Tracked, *, work: bool,
             except BaseException:
                 queue[0] = network.size
                 raise
-    results.best[quantities.sense < 0] *= -1.0
+    return _solved(results, quantities)
+
+
+def _solved(results: workspace.Results, quantities: workspace.Tracked) -> Solved:
+    results.best[quantities.sense < 0] *= -1.0  # kept as their negatives
     return Solved(*results)
 
 
 def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, *, work: bool, threads: int) -> Solved | None:
-    """What is alike in all rows once, then the occupants that differ; None where the vehicles cannot be solved to the end."""
-    phases, stop = solve_one(network_of(network, parts.vehicles))
-    if stop != Stop.COMPLETED:
+    """What is alike in all rows once, then the occupants that differ; None where that cannot be solved to the end."""
+    phases, alike = _solve_one(alike_of(network, parts), tracked_of(network, quantities, parts.alike), work=work)
+    if alike.stop[0] != Stop.COMPLETED:
         return None
     solved = _unsolved(network, quantities)
-    for part, own_network in (
-        *((part, network_of(network, part, phases)) for part in parts.occupants),
-        (parts.alike, network_of(network, parts.alike)),
-    ):
-        own = _solve_whole(own_network, tracked_of(network, quantities, part), work=work, threads=threads)
-        _put(solved, part, own, quantities.sense)
+    _put(solved, parts.alike, alike, quantities.sense)
+    for part in parts.occupants:
+        occupants, their = occupants_of(network, parts, part, phases), tracked_of(network, quantities, part)
+        _put(solved, part, _solve_whole(occupants, their, work=work, threads=threads), quantities.sense)
     unfinished = np.flatnonzero(solved.stop != Stop.COMPLETED)
     if unfinished.size:  # these are wanted as far as they came, vehicles and all
         whole = _solve_whole(network.rows(unfinished), quantities, work=work, threads=threads)
@@ -175,14 +176,19 @@ def _replace(solved: Solved, rows: Ints, others: Solved) -> None:
 
 def solve_one(network: Network) -> tuple[Phases, Stop]:
     """Solve the one crash of a network, keeping its phases."""
-    structure, numbers = workspace.structure_of(network, _NOTHING, each=True), workspace.numbers_of(network)
-    results, lanes = workspace.results_for(network, _NOTHING), workspace.lanes_for(network, 0)
+    phases, solved = _solve_one(network, _NOTHING, work=False)
+    return phases, Stop(int(solved.stop[0]))
+
+
+def _solve_one(network: Network, quantities: workspace.Tracked, *, work: bool) -> tuple[Phases, Solved]:
+    structure, numbers = workspace.structure_of(network, quantities, each=True), workspace.numbers_of(network)
+    results, lanes = workspace.results_for(network, quantities), workspace.lanes_for(network, quantities.sense.size)
     capacity = _CAPACITY
     while True:
         record = workspace.record_for(network, capacity)
-        march(structure, numbers, lanes, np.zeros(1, dtype=np.int64), 1, results, record, TOLERANCE, _NO_WORK)
+        march(structure, numbers, lanes, np.zeros(1, dtype=np.int64), 1, results, record, TOLERANCE, work)
         if results.stop[0] != Stop.RECORD_FULL:
             break
         capacity *= 8
     phases = phases_of(network, int(record.kept[0]), record.phases, record.log, results)
-    return phases, Stop(int(results.stop[0]))
+    return phases, _solved(results, quantities)

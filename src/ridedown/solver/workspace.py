@@ -10,7 +10,8 @@ b bar, g guard (two to a pair, one pair to an element, two to a restraint), l la
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -201,78 +202,86 @@ class Record(NamedTuple):
 def lanes_for(network: Network, tracked: int) -> Lanes:
     """Room for STRIDE crashes abreast of a network of this structure."""
     n, m, bars = len(network.coordinates), len(network.elements), int(network.is_rotation.sum())
-    pairs = _element_of_pairs(network).size
-
-    def floats(rows: int) -> Floats:
-        """Zeros, from the start of a cache line on."""
-        room = np.zeros(rows * STRIDE + WIDTH)
-        first = -room.ctypes.data // room.itemsize % WIDTH
-        return room[first : first + rows * STRIDE]
-
-    def whole(rows: int) -> Ints:
-        return np.zeros(rows * STRIDE, dtype=np.int64)
-
-    guard = floats(2 * pairs * GUARD_ROWS)
+    of_pair = _element_of_pairs(network)
+    pairs, coefficients = of_pair.size, m * COEFFICIENT_ROWS
+    floats = {
+        "until": 1,
+        "due": 1,
+        "pause": 1,
+        "timer": network.timer_element.size,
+        "alarm": 1,
+        "amplitude": 1,
+        "per": 1,
+        "origin": 1,
+        "time": 1,
+        "step": 1,
+        "last": 1,
+        "steps": 1,
+        "idle": 1,
+        "trial": 1,
+        "scale": 1,
+        "power": events.POWER_ROWS,
+        "bend": BEND_ROWS * (n + bars),
+        "q": n * ORDERS,
+        "acc": (n + 1) * ORDERS,
+        "d": m * ORDERS,
+        "f": m * ORDERS,
+        "tan": bars * ORDERS,
+        "sec2": bars * ORDERS,
+        "turn": bars * ORDERS,
+        "moment": bars * ORDERS,
+        "inverse_inertia": n,
+        "arm": m,
+        "line": m * LINE_ROWS,
+        "memory": m * MEMORY_ROWS,
+        "total": m * SUM_ROWS,
+        "work": m,
+        "root": 2 * pairs,
+        "extreme": tracked * EXTREME_ROWS,
+        "falling": together.ROWS,
+        "series": ORDERS,
+        "shape": events.SHAPE_ROWS,
+        "guard": 2 * pairs * GUARD_ROWS,
+        "own": coefficients + len(network.knot) * PIECE_ROWS,
+    }
+    whole = {
+        "crash": 1,
+        "piece": 1,
+        "mode": m * MODE_ROWS,
+        "rests": m,
+        "found": 2 * pairs,
+        "found_count": 1,
+        "pending": 2 * pairs,
+        "pending_count": 1,
+        "sampled": SAMPLED_ROWS,
+        "owner": 2,
+    }
+    lanes, numbers = _rows_of_zeros(floats, np.float64), _rows_of_zeros(whole, np.int64)
+    guard, own = lanes["guard"], lanes["own"]
     # no guard of a restraint turns negative until it is put into a mode
-    restrains = (network.law == Law.RESTRAINT)[_element_of_pairs(network)]
+    restrains = (network.law == Law.RESTRAINT)[of_pair]
     guard.reshape(pairs, 2, GUARD_ROWS, STRIDE)[restrains, :, G0] = 1.0
-    own = floats(m * COEFFICIENT_ROWS + len(network.knot) * PIECE_ROWS)
     for rows, columns in _own(network):
         own.reshape(-1, STRIDE)[rows] = columns[:, :1]
     return Lanes(
-        crash=whole(1),
-        until=floats(1),
-        due=floats(1),
-        pause=floats(1),
-        timer=floats(network.timer_element.size),
-        alarm=floats(1),
-        amplitude=floats(1),
-        per=floats(1),
-        origin=floats(1),
-        piece=whole(1),
-        time=floats(1),
-        step=floats(1),
-        last=floats(1),
-        steps=floats(1),
-        idle=floats(1),
-        trial=floats(1),
-        scale=floats(1),
-        power=floats(events.POWER_ROWS),
-        bend=floats(BEND_ROWS * (n + bars)),
-        q=floats(n * ORDERS),
-        acc=floats((n + 1) * ORDERS),
-        d=floats(m * ORDERS),
-        f=floats(m * ORDERS),
-        tan=floats(bars * ORDERS),
-        sec2=floats(bars * ORDERS),
-        turn=floats(bars * ORDERS),
-        moment=floats(bars * ORDERS),
-        inverse_inertia=floats(n),
-        arm=floats(m),
-        own=own,
-        coefficients=own[: m * COEFFICIENT_ROWS * STRIDE],
-        pieces=own[m * COEFFICIENT_ROWS * STRIDE :],
-        mode=whole(m * MODE_ROWS),
-        line=floats(m * LINE_ROWS),
-        guard=guard,
-        memory=floats(m * MEMORY_ROWS),
-        total=floats(m * SUM_ROWS),
-        rests=whole(m),
-        work=floats(m),
-        found=whole(2 * pairs),
-        root=floats(2 * pairs),
-        found_count=whole(1),
-        pending=whole(2 * pairs),
-        pending_count=whole(1),
-        extreme=floats(tracked * EXTREME_ROWS),
-        sampled=whole(SAMPLED_ROWS),
-        falling=floats(together.ROWS),
-        owner=whole(2),
-        series=floats(ORDERS),
-        shape=floats(events.SHAPE_ROWS),
+        **lanes,
+        **numbers,
+        coefficients=own[: coefficients * STRIDE],
+        pieces=own[coefficients * STRIDE :],
         poly=np.zeros(ORDERS),
         room=np.zeros(WORK_SHAPE),
     )
+
+
+def _rows_of_zeros(rows: Mapping[str, int], kind: type) -> dict[str, Any]:
+    """So many rows of zeros under each name, one after the other from the start of a cache line on."""
+    room: NDArray[Any] = np.zeros(sum(rows.values()) * STRIDE + WIDTH, dtype=kind)
+    end = -room.ctypes.data // room.itemsize % WIDTH
+    found = {}
+    for name, count in rows.items():
+        start, end = end, end + count * STRIDE
+        found[name] = room[start:end]
+    return found
 
 
 def _element_of_pairs(network: Network) -> Ints:
@@ -376,7 +385,7 @@ def _side_by_side(network: Network, tracked: Tracked, *, each: bool) -> tuple[In
     Only of restraints whose own deflection and force nobody asks for; any other is the first of none but itself.
     """
     leader, direction = np.arange(len(network.elements)), np.ones(len(network.elements))
-    if each:
+    if each or not (network.law == Law.RESTRAINT).any():
         return leader, direction
     heard = tracked.item[np.isin(tracked.family, (Family.DEFLECTION, Family.DEFLECTION_RATE, Family.FORCE))]
     first: dict[tuple[tuple[float, ...], ...], int] = {}
