@@ -123,10 +123,11 @@ def _solve_apart(network: Network, parts: Apart, quantities: workspace.Tracked, 
     if alike.stop[0] != Stop.COMPLETED:
         return None
     solved = _unsolved(network, quantities)
-    _put(solved, parts.alike, alike, quantities.sense)
     for part in parts.occupants:
         occupants, their = occupants_of(network, parts, part, phases), tracked_of(network, quantities, part)
         _put(solved, part, _solve_whole(occupants, their, work=work, threads=threads), quantities.sense)
+    # over the vehicle's state as its occupants followed it, which differs from row to row by round-off
+    _put(solved, parts.alike, alike, quantities.sense)
     unfinished = np.flatnonzero(solved.stop != Stop.COMPLETED)
     if unfinished.size:  # these are wanted as far as they came, vehicles and all
         whole = _solve_whole(network.rows(unfinished), quantities, work=work, threads=threads)
