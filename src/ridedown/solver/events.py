@@ -146,27 +146,26 @@ _CLEAR, _FALLS, _SEARCH = range(3)
 @inlined
 def _suspects(block, e, guard, d, power):
     """In which lanes of a block the guards of element e may start or turn negative, as bits; the second guard's come after."""
-    g, h = 2 * e, 2 * e + 1
+    suspects = _suspects_of_guard(block, e, 2 * e, _SOONEST, guard, d, power)
+    if lanes_of(load(guard, guard_at(2 * e + 1, GD0) + block) > laws.NEVER) != 0:  # most modes have but one
+        suspects |= _suspects_of_guard(block, e, 2 * e + 1, _SOONEST + STRIDE, guard, d, power) << WIDTH
+    return suspects
+
+
+@inlined
+def _suspects_of_guard(block, e, g, soonest, guard, d, power):
     a, b = load(guard, guard_at(g, A) + block), load(guard, guard_at(g, B) + block)
-    u, w = load(guard, guard_at(h, A) + block), load(guard, guard_at(h, B) + block)
     o, p = at(e, 0) + block, row(1) + block
     now, then = load(d, o), load(d, o + STRIDE)
     start = a * (now - load(guard, guard_at(g, GD0) + block)) + b * (then - load(guard, guard_at(g, GV0) + block))
-    start2 = u * (now - load(guard, guard_at(h, GD0) + block)) + w * (then - load(guard, guard_at(h, GV0) + block))
     now, then = then, load(d, o + 2 * STRIDE)
     slope = (a * now + 2.0 * b * then) * load(power, p)
-    slope2 = (u * now + 2.0 * w * then) * load(power, p)
-    dip, dip2 = spread(0.0), spread(0.0)
+    dip = spread(0.0)
     for j in range(2, DEGREE):
         now, then = then, load(d, o + (j + 1) * STRIDE)
-        scale = load(power, p + (j - 1) * STRIDE)
-        now *= scale
-        rate = (j + 1.0) * then * scale
-        dip += min(a * now + b * rate, 0.0)
-        dip2 += min(u * now + w * rate, 0.0)
-    least, least2 = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b), GAP_ROUND_OFF * abs(u) + RATE_ROUND_OFF * abs(w)
-    first = _unclear(least, start, slope, dip, power, _SOONEST + block)
-    return first | (_unclear(least2, start2, slope2, dip2, power, _SOONEST + STRIDE + block) << WIDTH)
+        dip += min((a * now + ((j + 1.0) * b) * then) * load(power, p + (j - 1) * STRIDE), 0.0)
+    round_off = GAP_ROUND_OFF * abs(a) + RATE_ROUND_OFF * abs(b)
+    return _unclear(round_off, start, slope, dip, power, soonest + block)
 
 
 @inlined

@@ -59,7 +59,7 @@ STIFFNESS, DAMPING, SLACK = range(3)
 KNOT, FORCE, SLOPE = range(3)
 
 
-_NEVER = -1e300
+NEVER = -1e300
 """Reference of a guard that is never negative."""
 
 
@@ -67,8 +67,8 @@ _NEVER = -1e300
 def enter(e, l, after, law, piece_start, coefficients, pieces, line, guard, memory, mode):
     """Put element e of lane l into mode `after`: its line of force and its guards."""
     k, c, d0, v0, f0 = 0.0, 0.0, 0.0, 0.0, 0.0
-    a1, b1, d1, v1 = 1.0, 0.0, _NEVER, 0.0
-    a2, b2, d2, v2 = 1.0, 0.0, _NEVER, 0.0
+    a1, b1, d1, v1 = 1.0, 0.0, NEVER, 0.0
+    a2, b2, d2, v2 = 1.0, 0.0, NEVER, 0.0
     stiffness, damping, slack = (
         coefficients[coefficient_at(e, STIFFNESS) + l],
         coefficients[coefficient_at(e, DAMPING) + l],
