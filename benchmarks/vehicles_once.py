@@ -20,6 +20,7 @@ from ridedown import load, simulate_many
 from ridedown.scenario import CrashScenario
 
 ROWS, TURNS = 16_384, 9
+"""Rows of a table: as many as a study solves at once."""
 VARIED = {
     "adult": ("adult.restraint.stiffness", "adult.restraint.damping"),
     "child": (

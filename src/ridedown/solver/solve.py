@@ -155,10 +155,11 @@ def _put(solved: Solved, part: Part, own: Solved, sense: Ints) -> None:
     places |= dict.fromkeys(("set", "reel", "payout", "work"), part.elements)
     places |= dict.fromkeys(("best", "best_time"), part.quantities)
     places["samples"] = number[part.quantities][is_sample[part.quantities]]
+    for_all = own.stop.size != solved.stop.size
     for name, numbers in places.items():
         for place, column in zip(numbers.tolist(), getattr(own, name), strict=True):
-            for_all = np.broadcast_to(column, (solved.stop.size, *column.shape[1:]))
-            getattr(solved, name)[place] = column if own.stop.size == solved.stop.size else for_all
+            spread = np.broadcast_to(column, (solved.stop.size, *column.shape[1:])) if for_all else column
+            getattr(solved, name)[place] = spread
     np.copyto(solved.stop, own.stop, where=own.stop != Stop.COMPLETED)
     solved.steps[:] += own.steps
 
