@@ -85,18 +85,19 @@ def hic(
     if scale == 0.0:
         return HIC(0.0, float(times[0]), float(times[0]))
     square, start, end = windows.search(times, a / scale, window, sampled=sampled)
-    return HIC(_value_of(square, scale), start, end)
+    with np.errstate(over="ignore"):
+        return HIC(_value_of(square, scale), start, end)
 
 
 def hic_of(signals: Strung, max_window: float) -> Floats:
     """HIC of R signals end to end, none of them anywhere below 0 [m/s2]: (R,). Raises: InvalidInput as `hic` does."""
-    return np.array([_value_of(float(square), float(scale)) for square, scale in windows.search_each(signals, max_window)])
+    with np.errstate(over="ignore"):
+        return np.array([_value_of(float(square), float(scale)) for square, scale in windows.search_each(signals, max_window)])
 
 
 def _value_of(square: float, scale: float) -> float:
-    """HIC from its square for accelerations in units of `scale` [m/s2]."""
-    with np.errstate(over="ignore"):
-        value = float(np.sqrt(square) * np.float64(scale / STANDARD_GRAVITY) ** 2.5)
+    """HIC from its square for accelerations in units of `scale` [m/s2]; what overflows is refused, and no warning is wanted."""
+    value = float(np.sqrt(square) * np.float64(scale / STANDARD_GRAVITY) ** 2.5)
     if not np.isfinite(value):
         raise InvalidInput(f"acceleration: got a peak of {scale:g} m/s2; need one that a head can have. Check its unit.")
     return value
