@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from ridedown import Response, load, simulate, simulate_many
+from ridedown.events import events_of
 from ridedown.limits import Verdict, assess, criteria_of
+from ridedown.network import Action, Timer
 from ridedown.report import summary
 from ridedown.scenario import CrashScenario, substitute
+from tests.solver.sleds import Solved, points, sled, spring
 
 BODIES = ("driver.pelvis", "driver.chest", "driver.head")
 
@@ -97,6 +100,32 @@ def test_the_events_say_who_did_what(everything: Response) -> None:
     ]
     assert said(everything, "driver.airbag")[:3] == ["bag fires", "contact", "bag full"]
     assert said(everything, "driver.knee_bolster") == ["contact", "on to piece 2", "starts to unload", "contact lost"]
+
+
+@pytest.mark.parametrize(
+    ("stalls", "expected"),
+    [
+        ((1000.0, np.inf), ["pretensioner 1 stalls at 1.0 kN", "pretensioner 1 pulls on", "pretensioner 1 stalls at 1.0 kN"]),
+        (
+            (1000.0, 1000.0),
+            ["both pretensioners stall at 1.0 kN", "both pretensioners pull on", "pretensioner 1 stalls at 1.0 kN"],
+        ),
+    ],
+)
+def test_a_pretensioner_stalls_as_the_force_rises_and_pulls_on_as_it_falls(
+    stalls: tuple[float, float], expected: list[str]
+) -> None:
+    actions = (Action.PULL_1, Action.PULL_2)
+    timers = [
+        Timer(action, time, rate)
+        for action, stall in zip(actions, stalls, strict=True)
+        for time, rate in ((0.01, 4.0), (0.18, 0.0))
+        if stall < np.inf
+    ]
+    belt = spring(100e3, stalls=stalls, timers=tuple(timers))
+    solved = Solved(sled(belt, pulse=points([0.0, 0.15, 0.19], [-150.0, -50.0, 0.0])))
+    told = [event.what for event in events_of(solved.network, solved.phases)]
+    assert [what for what in told if "stall" in what or "pull" in what] == expected
 
 
 def test_a_summary_is_plain_data_without_holes(everything: Response) -> None:

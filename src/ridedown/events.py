@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ridedown.network import Law, Network
-from ridedown.restraint_events import mode_event, timer_event
+from ridedown.restraint_events import INSTANT, mode_event, timer_event
 from ridedown.solver import laws
 from ridedown.solver.phases import Phases
 
 _TIMER = -1  # the mode before, of what a timer did; the mode after is the timer's number
-_INSTANT = 1e-12  # s: changes no further apart are one event
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,7 @@ class _Change(NamedTuple):
 def _same_instant(changes: list[_Change], time: float, element: int) -> _Change | None:
     """An element's change at this instant, if there is one."""
     for change in reversed(changes):
-        if time - change.time > _INSTANT:
+        if time - change.time > INSTANT:
             return None
         if change.element == element and change.modes[0] != _TIMER:
             return change

@@ -13,6 +13,9 @@ OPEN = 0
 UNLOADING, CLIPPED, SLIPPING_1, SLIPPING_2, HELD_1, HELD_2, FREE = range(1, 8)
 """Modes of a restraint after those of its n pieces: n + UNLOADING, and so on; as the solver numbers them."""
 
+INSTANT = 1e-12
+"""Changes no further apart [s] are one event."""
+
 _HELD = {HELD_1: 0, HELD_2: 1}
 _SLIPPING = {SLIPPING_1: 0, SLIPPING_2: 1}
 
@@ -37,10 +40,10 @@ def mode_event(network: Network, phases: Phases, e: int, time: float, modes: Seq
     pieces = int(network.piece_start[e + 1] - network.piece_start[e])
     after_pieces = [mode - pieces for mode in modes]
     was, now = after_pieces[0], after_pieces[-1]
-    gives = [mode for mode in after_pieces[1:] if mode in _HELD]
+    gives = list(dict.fromkeys(mode for mode in after_pieces[1:] if mode in _HELD))
     if gives and was not in _HELD:
-        # also where the occupant pulls harder still, and the pretensioner holds its force for no time at all
-        return _gives(network, e, gives[0])
+        # also where a pretensioner holds its force for no time at all: the occupant pulls harder still, or gives way to it
+        return _stall(network, e, gives) if _rose(phases, e, time) else _pull_on(gives)
     if was == now:
         return ""
     if now in _SLIPPING or now in _HELD:
@@ -70,11 +73,21 @@ def _along_curve(before: int, after: int, pieces: int, *, belt: bool) -> str:
     return what
 
 
+def _stall(network: Network, e: int, held: Sequence[int]) -> str:
+    """Pretensioners stall, of one stall force if both do at one instant."""
+    force = _kn(network.stall[_HELD[held[0]], e, 0])
+    return f"pretensioner {_HELD[held[0]] + 1} stalls at {force}" if len(held) == 1 else f"both pretensioners stall at {force}"
+
+
+def _pull_on(held: Sequence[int]) -> str:
+    """Pretensioners that were stalled pull again."""
+    return f"pretensioner {_HELD[held[0]] + 1} pulls on" if len(held) == 1 else "both pretensioners pull on"
+
+
 def _gives(network: Network, e: int, mode: int) -> str:
     """The reel gives way: a pretensioner stalls, or the limiter slips."""
     if mode in _HELD:
-        n = _HELD[mode]
-        return f"pretensioner {n + 1} stalls at {_kn(network.stall[n, e, 0])}"
+        return _stall(network, e, [mode])
     stage = _SLIPPING[mode]
     force = _kn(network.limit[stage, e, 0])
     return f"load limiter, stage {stage + 1}, {force}" if _two_stages(network, e) else f"load limiter, {force}"
@@ -83,8 +96,7 @@ def _gives(network: Network, e: int, mode: int) -> str:
 def _holds(network: Network, e: int, mode: int, *, rising: bool) -> str:
     """The reel gives no more: the occupant slows down and the force falls, or it cannot and the force rises."""
     if mode in _HELD:
-        n = _HELD[mode] + 1
-        return f"belt holds against pretensioner {n}" if rising else f"pretensioner {n} pulls on"
+        return f"belt holds against pretensioner {_HELD[mode] + 1}" if rising else _pull_on([mode])
     if not rising:
         return "load limiter holds"
     stage = _SLIPPING[mode]
@@ -103,6 +115,17 @@ def _rises(phases: Phases, e: int, time: float) -> bool:
     since = min(1e-6, float(phases.length[phase]))
     powers = since ** np.arange(1, phases.force.shape[1])
     return bool(phases.force[phase, 1:, e] @ powers > 0.0)
+
+
+def _rose(phases: Phases, e: int, time: float) -> bool:
+    """Whether the force of restraint e rose just before a time, over the last microsecond; from the start on, it did."""
+    phase = int(phases.start.searchsorted(time - INSTANT)) - 1
+    if phase < 0:
+        return True
+    end = float(phases.length[phase])
+    ends = np.vander([end, max(end - 1e-6, 0.0)], phases.force.shape[1], increasing=True)
+    here, before = ends @ phases.force[phase, :, e]
+    return bool(here > before)
 
 
 def _kn(force: float) -> str:
