@@ -12,7 +12,7 @@ import numpy as np
 
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
-from ridedown.solver import laws, restraint, series
+from ridedown.solver import laws, reel, restraint, series
 from ridedown.solver.layout import DEGREE, GD0, NUMBER, Table, at, guard_at, mode_at, of_crash, row
 
 TIMER = -1
@@ -178,4 +178,4 @@ def settle(e, l, step, d, piece_start, coefficients, pieces, memory, mode):
     for j in range(DEGREE - 1, -1, -1):
         rate = rate * step + here
         here = here * step + d[at(e, j) + l]
-    restraint.settle(e, l, here, rate, piece_start, coefficients, pieces, memory, mode)
+    reel.settle(e, l, here, rate, piece_start, coefficients, pieces, memory, mode)

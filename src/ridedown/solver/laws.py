@@ -14,7 +14,7 @@
                    i on piece i             F_i + k_i (d - d_i)            v; d_(i+1) - d
                    n + 1 on unloading line  k_u (d - set)                  d - set; d_max - d
 
-The restraint law has a file of its own, `restraint.py`.
+The restraint law has files of its own: `restraint.py`, `restraint_line.py` and `reel.py`.
 
 `v*` is the rate at the instant that the slack is taken up. A plastic curve's set is `d_max - F(d_max) / k_u`, and never counts
 as less than zero: a member pushes only while it is shorter than it was.

@@ -20,7 +20,7 @@ import numpy as np
 
 from ridedown.compiled import inlined, kernel, part
 from ridedown.network.model import Floats, Ints
-from ridedown.solver import changes, events, extremes, laws, restraint, series, stepping
+from ridedown.solver import changes, events, extremes, laws, reel, restraint_line, series, stepping
 from ridedown.solver.layout import (
     BEST,
     FILL,
@@ -290,8 +290,8 @@ def _open(
             continue
         line[line_at(e, FILL) + l] = 0.0 if empty[e] != 0 else 1.0
         line[line_at(e, FILLING) + l] = 0.0
-        start = piece_start[e + 1] - piece_start[e] + restraint.FREE if free[e] != 0 else restraint.OPEN
-        restraint.enter(e, l, start, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
+        start = piece_start[e + 1] - piece_start[e] + reel.FREE if free[e] != 0 else reel.OPEN
+        restraint_line.enter(e, l, start, piece_start, coefficients, pieces, second_pair[e], line, guard, memory, mode)
     for k in range(tracked):
         extreme[extreme_at(k, BEST) + l] = -np.inf
         extreme[extreme_at(k, WHEN) + l] = 0.0
@@ -304,7 +304,7 @@ def _settle(
 ):  # fmt: skip
     """Where the reels of lane l are, at the end of its last step."""
     for e in range(law.size):
-        if law[e] == laws.RESTRAINT and restraint.gives_way(e, l, piece_start, mode):
+        if law[e] == laws.RESTRAINT and reel.gives_way(e, l, piece_start, mode):
             if leader[e] != e or rests[row(e) + block] == series.RESTS:
                 series.deflect(block, e, term_start, term_coordinate, term_sign, lever, arm, q, tan, d)
             changes.settle(e, l, step[l], d, piece_start, coefficients, pieces, memory, mode)
