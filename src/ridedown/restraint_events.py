@@ -8,10 +8,7 @@ import numpy as np
 
 from ridedown.network import Action, Network
 from ridedown.solver.phases import Phases
-
-OPEN = 0
-UNLOADING, CLIPPED, SLIPPING_1, SLIPPING_2, HELD_1, HELD_2, FREE = range(1, 8)
-"""Modes of a restraint after those of its n pieces: n + UNLOADING, and so on; as the solver numbers them."""
+from ridedown.solver.reel import CLIPPED, FREE, HELD_1, HELD_2, OPEN, SLIPPING_1, SLIPPING_2, UNLOADING
 
 INSTANT = 1e-12
 """Changes no further apart [s] are one event."""

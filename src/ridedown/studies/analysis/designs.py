@@ -109,9 +109,9 @@ class Sobol:
     _shift: _WORDS = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        _at_least_one(self.dimensions, "dimensions")
         from scipy.stats import qmc  # noqa: PLC0415  slow to import
 
+        _at_least_one(self.dimensions, "dimensions")
         if self.dimensions > qmc.Sobol.MAXDIM:
             raise InvalidInput(
                 f"dimensions: got {self.dimensions}; need <= {qmc.Sobol.MAXDIM}. Take a Latin hypercube or random rows."

@@ -71,9 +71,9 @@ def optimise(
     >>> round(found.parameters["a"], 4), found.at_end
     (0.3, ('b',))
     """
-    check_count(candidates, "candidates", 8)
     from scipy.optimize import Bounds, differential_evolution  # noqa: PLC0415  slow to import
 
+    check_count(candidates, "candidates", 8)
     check_count(generations, "generations")
     fixed = seed_of(seed)
     total = candidates * (generations + 1)
