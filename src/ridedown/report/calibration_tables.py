@@ -53,7 +53,9 @@ def parameters(found: Calibrated) -> Table:
 
 
 def _noted(found: Calibrated, name: str) -> str:
-    return "see the notes" if any(name in one.names for one in found.confounded) else NONE
+    noted = [each for one in found.confounded for each in one.names]
+    noted += found.beyond.names if found.beyond else ()
+    return "see the notes" if name in noted else NONE
 
 
 def channels(caption: str, found: Sequence[FittedChannel]) -> Table:

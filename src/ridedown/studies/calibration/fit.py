@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ from ridedown.errors import InvalidInput
 from ridedown.scenario import Scenario, Source, lower
 from ridedown.studies.analysis.cma_es import Effort, runs
 from ridedown.studies.calibration.file import Calibration, Search, load_calibration
-from ridedown.studies.calibration.fitted import Calibrated, FittedChannel, FittedNumber, FittedParameter
+from ridedown.studies.calibration.fitted import Beyond, Calibrated, FittedChannel, FittedNumber, FittedParameter
 from ridedown.studies.calibration.identifiability import Candidate, confounded
 from ridedown.studies.calibration.least_squares import STEP, jacobian, least_squares
 from ridedown.studies.calibration.likelihood import Likelihood
@@ -244,10 +244,11 @@ def _result(
     several = len(problem.cases) > 1
     apart = confounded(problem.unknowns, point, fisher, found, judged.candidates, several=several)
     numbers = tuple(_number(p, p.target, found) for p in judged.parts if isinstance(p.target, NumberTarget))
+    beyond = _farther(problem, point, found) if posterior is None else _wider(parameters, posterior)
     warnings = (
         *_warnings(parameters, starts, interrupted=interrupted),
         *_not_met(numbers, several=several),
-        *(_farther(problem, point, found) if posterior is None else _wider(parameters, posterior)),
+        *(() if beyond is None else (beyond.sentence,)),
     )
     return Calibrated(
         calibration=problem.calibration,
@@ -265,6 +266,7 @@ def _result(
         tried=problem.tried,
         interrupted=interrupted,
         posterior=posterior,
+        beyond=beyond,
     )
 
 
@@ -366,7 +368,7 @@ def _not_met(numbers: Sequence[FittedNumber], *, several: bool) -> list[str]:
     return [f"Not met: {', '.join(missed)}. {why}: the bands, which rest on the deviations stated, are then too narrow."]
 
 
-def _farther(problem: Problem, point: Floats, found: Uncertainty) -> Iterator[str]:
+def _farther(problem: Problem, point: Floats, found: Uncertainty) -> Beyond | None:
     """What is to be said where the search came by candidates far outside the bands that fit as well, as far as noise tells.
 
     As well: their log-likelihood is less than the best one's by no more than that of a band's end would be.
@@ -379,19 +381,21 @@ def _farther(problem: Problem, point: Floats, found: Uncertainty) -> Iterator[st
     half = _WIDER * found.reach * found.deviation
     low, high = (values_of(problem.unknowns, np.clip(end, 0.0, 1.0)) for end in (point - half, point + half))
     least, most = alike.min(axis=0), alike.max(axis=0)
-    far = [
-        f"{unknown.name} from {in_words(float(a), unknown.unit)} to {in_words(float(b), unknown.unit)}"
+    far = {
+        unknown.name: f"{unknown.name} from {in_words(float(a), unknown.unit)} to {in_words(float(b), unknown.unit)}"
         for unknown, a, b, outside in zip(problem.unknowns, least, most, (least < low) | (most > high), strict=True)
         if outside
-    ]
-    if far:
-        yield (
-            f"The search came by candidates that fit as well, as far as noise tells, with {', '.join(far)}: bands are of the "
-            "place where it ended. Sample the posterior (posterior = true)."
-        )
+    }
+    if not far:
+        return None
+    sentence = (
+        f"The search came by candidates that fit as well, as far as noise tells, with {', '.join(far.values())}: bands are of "
+        "the place where it ended. Sample the posterior (posterior = true)."
+    )
+    return Beyond(tuple(far), sentence)
 
 
-def _wider(parameters: Sequence[FittedParameter], posterior: Posterior) -> Iterator[str]:
+def _wider(parameters: Sequence[FittedParameter], posterior: Posterior) -> Beyond | None:
     """What is to be said where chains go much farther than bands: these are of the one place where the search ended."""
     far = []
     for p in parameters:
@@ -399,11 +403,13 @@ def _wider(parameters: Sequence[FittedParameter], posterior: Posterior) -> Itera
         drawn, band = (math.log(b / a) if p.by_ratio else b - a for a, b in ((low, high), (p.low, p.high)))
         if drawn > _WIDER * band:
             far.append(p.name)
-    if far:
-        yield (
-            f"The posterior of {', '.join(far)} is more than twice as wide as the band: bands are of the place where the "
-            "search ended, and others give nearly the same. Trust the posterior."
-        )
+    if not far:
+        return None
+    sentence = (
+        f"The posterior of {', '.join(far)} is more than twice as wide as the band: bands are of the place where the "
+        "search ended, and others give nearly the same. Trust the posterior."
+    )
+    return Beyond(tuple(far), sentence)
 
 
 def point_of(unknowns: Sequence[Unknown], values: Mapping[str, float]) -> Floats:

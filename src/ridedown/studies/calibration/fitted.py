@@ -207,6 +207,14 @@ class Confounded:
     helps: tuple[Help, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Beyond:
+    """Parameters that do as well far outside their bands, in places other than the one where the search ended."""
+
+    names: tuple[str, ...]
+    sentence: str
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibrated:
     """A calibration done. `interrupted`: stopped by the user; the parameters are the best there were so far.
@@ -230,6 +238,7 @@ class Calibrated:
     tried: int
     interrupted: bool = False
     posterior: Any = None
+    beyond: Beyond | None = None
 
     @property
     def values(self) -> dict[str, float]:
